@@ -35,6 +35,7 @@ KernelFeatures MakeGeneral(const KernelFeatures& features, bool isLayered) {
     general.patterns = true;
     general.lightShaping = true;
     general.lightPortals = true;
+    general.domeGuide = true;
     general.lightTree = true;
     general.meshLights = true;
     general.groups = true;

@@ -3,18 +3,18 @@
 
 #include "hdStream/base/timer.h"
 #include "hdStream/integrator/ambientOcclusion.h"
-#include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/catcherLight.h"
+#include "hdStream/integrator/domeGuidePass.h"
 #include "hdStream/integrator/filmBuffers.h"
+#include "hdStream/integrator/frameConstants.h"
 #include "hdStream/integrator/kernelSets.h"
-#include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/integrator/makeResident.h"
 #include "hdStream/integrator/sampleSchedule.h"
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
 #include "hdStream/scene/motion.h"
-#include "hdStream/shading/pixelFilter.h"
+#include "hdStream/shading/domeGuide.h"
 #include "kernels/shared/frame.h"
 
 #include <algorithm>
@@ -42,8 +42,8 @@ struct Onlooker {
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), tracer(device, &buffers, &statistics), catchers(device), occlusion(device) {
-    }
+          film(device), constants(device), tracer(device, &buffers, &statistics), catchers(device),
+          occlusion(device) {}
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -69,44 +69,13 @@ struct PathTracer::Impl {
             kernelSets.Remember(kernels->Features());
         }
         ReadyPathState();
-        shared::HdsFrameParams params = MakeFrameParams(
-            options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
-        params.probeLength = MediaProbeLength(params, scene->mediaBounds, scene->hasMotion);
-        ReadyFrame(params);
-        ReadyFilter();
+        constants.Ready(options, *scene);
         tracer.ClearCounters();
         film.Reset(options.aovs, options.deep, options.imageWidth, options.imageHeight);
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
         SetWaveLimits();
-    }
-
-    /// The table of light path expressions follows the constants.
-    void ReadyFrame(const shared::HdsFrameParams& params) {
-        std::vector<std::uint32_t> table;
-        if (!options.aovs.lightPaths.empty()) {
-            table = MakeLightPathTable(CompileLightPaths(options.aovs.lightPaths),
-                                       scene->lights->groups);
-        }
-        const std::uint64_t tableBytes = table.size() * sizeof(table[0]);
-        if (!frame.IsValid() || frame.Bytes() != sizeof(params) + tableBytes) {
-            frame = Buffer(device, "frame constants", sizeof(params) + tableBytes,
-                           BufferAccess::ReadOnly);
-        }
-        frame.Write(&params, sizeof(params));
-        if (tableBytes > 0) {
-            frame.Write(table.data(), tableBytes, sizeof(params));
-        }
-    }
-
-    void ReadyFilter() {
-        const std::pair<std::string, double> shape(options.pixelFilter, options.pixelFilterWidth);
-        if (filterShape != shape) {
-            filter = UploadVector(device, "pixel filter",
-                                  BuildPixelFilterTable(shape.first, shape.second));
-            filterShape = shape;
-        }
     }
 
     KernelFeatures MakeFeatures(bool isStreaming) const {
@@ -186,8 +155,9 @@ struct PathTracer::Impl {
     WaveTracer::Generate GenerateSamples(const shared::HdsWave& wave) {
         return [this, wave](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                             std::uint32_t queueFirst) {
-            kernels->generateSample.Launch(count, frame, wave, first, count, tracer.Paths(),
-                                           tracer.NumSlots(), pixels, filter, queue, queueFirst);
+            kernels->generateSample.Launch(count, constants.Frame(), wave, first, count,
+                                           tracer.Paths(), tracer.NumSlots(), pixels,
+                                           constants.Filter(), queue, queueFirst);
         };
     }
 
@@ -199,10 +169,42 @@ struct PathTracer::Impl {
             wave.numPixels * wave.numSamples, GenerateSamples(wave),
             [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                 const Buffer& next) {
-                kernels->shade.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
-                                      tracer.ShadowQueue(), tracer.Counters());
+                kernels->shade.Launch(count, constants.Frame(), paths, numSlots, queue, count,
+                                      waiting, next, tracer.ShadowQueue(), tracer.Counters());
             },
             isCancelled);
+    }
+
+    /// Traces a path through each pixel of another picture, whose samples nobody keeps. \return
+    /// false when it was cancelled.
+    bool TracePaths(const RenderOptions& picture, const WaveTracer::IsCancelled& isCancelled) {
+        const std::uint32_t numPixels = picture.imageWidth * picture.imageHeight;
+        UploadPixels(NumbersUpTo(numPixels));
+        constants.SetOptions(picture, *scene);
+        bool isDone = true;
+        for (std::uint32_t first = 0; isDone && first < numPixels; first += tracer.MaxPaths()) {
+            isDone = TraceSamples({first, std::min(tracer.MaxPaths(), numPixels - first), 0, 1},
+                                  isCancelled);
+        }
+        constants.SetOptions(options, *scene);
+        CollectTexelCounts();
+        return isDone;
+    }
+
+    /// Learns the guide of domes (domeGuidePass.h); hosts that edit do not wait for it. \return
+    /// false when it was cancelled.
+    bool LearnDomes(const WaveTracer::IsCancelled& isCancelled) {
+        if (options.interactive || !MayHaveGuide(*scene->lights)) {
+            return true;
+        }
+        const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
+        const bool isDone = LearnDomeGuide(
+            options, constants.CameraPosition(), &tracer, &buffers,
+            [&](const RenderOptions& picture) { return TracePaths(picture, isCancelled); });
+        ++sceneNumber; // the tables of lights may be others
+        ReadyKernels();
+        statistics.indirectRays = indirectRays;
+        return isDone;
     }
 
     /// \return false when it was cancelled: the film is as before.
@@ -213,8 +215,8 @@ struct PathTracer::Impl {
         statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
         const bool hasOcclusion = kernels->Features().occlusion;
         if (hasOcclusion &&
-            !occlusion.Trace(kernels, &tracer, numPaths, frame, options.occlusionDistance,
-                             GenerateSamples(wave), isCancelled)) {
+            !occlusion.Trace(kernels, &tracer, numPaths, constants.Frame(),
+                             options.occlusionDistance, GenerateSamples(wave), isCancelled)) {
             return false;
         }
         const auto trace = [&] { return TraceSamples(wave, isCancelled); };
@@ -415,6 +417,7 @@ struct PathTracer::Impl {
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
         presentList.reset();
+        onlooker.isStopped = !LearnDomes(watch.isCancelled);
         std::optional<SamplePass> pass = schedule.Next();
         while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
             EndPass(*pass, &onlooker);
@@ -490,14 +493,14 @@ struct PathTracer::Impl {
                 numPixels,
                 [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                     std::uint32_t queueFirst) {
-                    kernels->generateCentre.Launch(count, frame, wave, first, count, paths,
-                                                   numSlots, order, queue, queueFirst);
+                    kernels->generateCentre.Launch(count, constants.Frame(), wave, first, count,
+                                                   paths, numSlots, order, queue, queueFirst);
                 },
                 [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                     const Buffer& next) {
-                    kernels->aov.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
-                                        tracer.Counters(), film.Floats(), film.Ints(), offsets,
-                                        primvarSlots);
+                    kernels->aov.Launch(count, constants.Frame(), paths, numSlots, queue, count,
+                                        waiting, next, tracer.Counters(), film.Floats(),
+                                        film.Ints(), offsets, primvarSlots);
                 },
                 isCancelled);
             if (!isTraced) {
@@ -536,9 +539,7 @@ struct PathTracer::Impl {
     StageKernels* kernels = nullptr; ///< those of the present render
     SampleSchedule schedule;
     std::optional<PixelList> presentList; ///< that `pixels` holds
-    Buffer frame;
-    Buffer filter;
-    std::pair<std::string, double> filterShape; ///< name and width of `filter`
+    FrameConstants constants;
     Buffer pixels;
     RenderStatistics statistics;
     WaveTracer tracer;

@@ -77,7 +77,8 @@ struct RenderOptions {
     TraversalForm traversal = TraversalForm::Auto;
     KernelChoice kernels = KernelChoice::Auto;
     /// Someone looks at the film while it is rendered, and edits: the first sample goes from coarse
-    /// to fine, and passes are short. The final picture is the same.
+    /// to fine, and passes are short. The final picture is the same, but for the noise of domes
+    /// that would have a guide (domeGuidePass.h).
     bool interactive = false;
     double passSeconds = 0.0; ///< that a pass is to take; 0: by who looks on
 

@@ -3,6 +3,7 @@
 
 #include "hdStream/base/error.h"
 #include "hdStream/integrator/makeResident.h"
+#include "hdStream/shading/domeGuide.h"
 #include "hdStream/stream/mappedPool.h"
 #include "hdStream/stream/residentPool.h"
 
@@ -180,8 +181,31 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
         Upload(LightCdf, scene.lights->cdf);
         _lights = scene.lights;
         _numLights = static_cast<std::uint32_t>(scene.lights->lights.size());
+        _hasDomeGuide = false;
     }
     return true;
+}
+
+void SceneBuffers::SetDomeGuide(const std::array<float, 3>& camera,
+                                const std::vector<std::uint32_t>& cells) {
+    const auto base = static_cast<std::uint32_t>(_lights->cdf.size());
+    const std::vector<float> guide =
+        cells.empty() ? std::vector<float>() : BuildDomeGuide(camera, cells, base);
+    const bool hadGuide = std::exchange(_hasDomeGuide, !guide.empty());
+    if (!hadGuide && !_hasDomeGuide) {
+        return;
+    }
+    std::vector<float> cdf = _lights->cdf;
+    cdf.insert(cdf.end(), guide.begin(), guide.end());
+    Upload(LightCdf, cdf);
+    std::vector<shared::HdsLight> lights = _lights->lights;
+    for (shared::HdsLight& light : lights) {
+        if (_hasDomeGuide && MayHaveGuide(light)) {
+            light.flags |= HDS_LIGHT_GUIDED;
+            light.cdfBase = base;
+        }
+    }
+    Upload(Lights, lights);
 }
 
 void SceneBuffers::BeginStatistics() {

@@ -74,6 +74,10 @@ public:
     bool Flatten(const CommittedScene& scene, const FlatLimits& limits);
     const FlatGeometry& Flat() const { return _flat; }
 
+    /// Gives the domes that may have one a guide (BuildDomeGuide), or takes it away: no cells.
+    /// Kernels have to be bound again.
+    void SetDomeGuide(const std::array<float, 3>& camera, const std::vector<std::uint32_t>& cells);
+
     /// Statistics of geometry and textures count from 0 again.
     void BeginStatistics();
     /// Of geometry since then; what resident geometry has done in the words of streaming.
@@ -144,6 +148,7 @@ private:
     std::array<bool, NumTables> _isInPlace{};  ///< in the memory of the scene
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
+    bool _hasDomeGuide = false;
     std::uint32_t _numVolumes = 0;
     FlatGeometry _flat;
     SceneTextures _textures;

@@ -5,6 +5,7 @@
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/scene/motion.h"
+#include "hdStream/shading/domeGuide.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -59,6 +60,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.lightMotion = scene.lights->hasMotion;
     features.lightFilters = scene.lights->hasFilters;
     features.lightPortals = scene.lights->hasPortals;
+    features.domeGuide = MayHaveGuide(*scene.lights);
     features.meshLights = scene.lights->hasMeshes;
     features.texturedEmission = scene.lights->hasTexturedEmission;
     features.lightTree = scene.lights->lights.size() > HDS_LIGHT_LOOP_MAX;

@@ -23,7 +23,7 @@ void Resize(Buffer* buffer, const std::shared_ptr<Device>& device, const char* l
 } // namespace
 
 WaveQueues::WaveQueues(std::shared_ptr<Device> device) : _device(std::move(device)) {
-    _counters = Buffer(_device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
+    ResizeCounters(HDS_GUIDE_CELLS);
 }
 
 std::uint64_t WaveQueues::BytesPerSlot(const KernelFeatures& features) {
@@ -95,6 +95,16 @@ WaveQueues::Counts WaveQueues::ReadCounters() const {
     Counts values{};
     _counters.Read(values.data(), sizeof(values));
     return values;
+}
+
+void WaveQueues::ResizeCounters(std::uint32_t numWords) {
+    _counters = Buffer(); // frees first
+    _counters = Buffer(_device, "counters", numWords * sizeof(std::uint32_t));
+    ClearCounter(0, numWords);
+}
+
+void WaveQueues::ReadWords(std::uint32_t first, std::uint32_t count, std::uint32_t* values) const {
+    _counters.Read(values, count * sizeof(std::uint32_t), first * sizeof(std::uint32_t));
 }
 
 void WaveQueues::ClearCounter(std::uint32_t counter, std::uint32_t count) {

@@ -68,6 +68,9 @@ public:
     Counts ReadCounters() const;
     void ClearCounter(std::uint32_t counter, std::uint32_t count = 1);
     void SetCounter(std::uint32_t counter, std::uint32_t value);
+    /// Makes the counters anew, all 0, with other words behind them.
+    void ResizeCounters(std::uint32_t numWords);
+    void ReadWords(std::uint32_t first, std::uint32_t count, std::uint32_t* values) const;
 
 private:
     std::shared_ptr<Device> _device;

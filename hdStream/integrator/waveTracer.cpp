@@ -4,15 +4,25 @@
 #include "hdStream/base/timer.h"
 #include "hdStream/integrator/reportLaunches.h"
 #include "hdStream/integrator/shadowLaunches.h"
+#include "kernels/shared/light.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
 namespace hds {
 
 namespace {
+
+std::uint32_t BitsOf(float value) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    return bits;
+}
+
+constexpr std::uint32_t kGuideCells = HDS_GUIDE_PLACES * HDS_GUIDE_ROWS * HDS_GUIDE_COLUMNS;
 
 /// While rays keep lists: launches of less than this part of a tile wait for company. A launch and
 /// the reading of its counters cost what some hundred rays do.
@@ -47,6 +57,26 @@ double WaveTracer::RequestSeconds() const {
     }
     const StreamingStatistics& pool = _buffers->Streaming().Statistics();
     return pool.requestSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
+}
+
+void WaveTracer::BeginDomeGuide(const std::array<float, 3>& camera, float scale) {
+    _queues.ResizeCounters(HDS_GUIDE_CELLS + kGuideCells);
+    for (std::uint32_t axis = 0; axis < camera.size(); ++axis) {
+        _queues.SetCounter(HDS_GUIDE_CAMERA + axis, BitsOf(camera[axis]));
+    }
+    _queues.SetCounter(HDS_GUIDE_SCALE, BitsOf(scale));
+}
+
+std::uint32_t WaveTracer::ReadDomeGuideTotal() const {
+    std::uint32_t total = 0;
+    _queues.ReadWords(HDS_GUIDE_TOTAL, 1, &total);
+    return total;
+}
+
+std::vector<std::uint32_t> WaveTracer::ReadDomeGuide() const {
+    std::vector<std::uint32_t> cells(kGuideCells);
+    _queues.ReadWords(HDS_GUIDE_CELLS, kGuideCells, cells.data());
+    return cells;
 }
 
 bool WaveTracer::Trace(std::uint32_t numPaths, const Generate& generate, const Shade& shade,

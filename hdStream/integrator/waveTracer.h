@@ -10,9 +10,11 @@
 #include "hdStream/integrator/texelLoop.h"
 #include "hdStream/integrator/waveQueues.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace hds {
 
@@ -68,6 +70,14 @@ public:
     const Buffer& Counters() const { return _queues.Counters(); }
     Counts ReadCounters() const { return _queues.ReadCounters(); }
     void ClearCounters() { _queues.ClearCounter(0, HDS_NUM_COUNTERS); }
+
+    /// Between the first and the last of these, rays that meet nothing are counted for the guide of
+    /// domes. \param scale factor on throughput, for 1 at the camera.
+    void BeginDomeGuide(const std::array<float, 3>& camera, float scale);
+    std::uint32_t ReadDomeGuideTotal() const;
+    std::vector<std::uint32_t> ReadDomeGuide() const;
+    /// Clears all counters, too.
+    void EndDomeGuide() { _queues.ResizeCounters(HDS_GUIDE_CELLS); }
 
 private:
     double RequestSeconds() const;

@@ -36,6 +36,7 @@
 #include "light/image.clh"
 #include "light/domeImage.clh"
 #include "light/dome.clh"
+#include "light/domeGuide.clh"
 #include "light/far.clh"
 #include "light/estimate.clh"
 #include "light/select.clh"
@@ -159,13 +160,14 @@ void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene,
 
 /* The same of paths that have met nothing, or that end at what they have hit. */
 void shade_ends(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHits* ends,
-                HdsPaths paths, HdsShadeLists* lists) {
+                HdsPaths paths, volatile global uint* counters, HdsShadeLists* lists) {
     shadeHits_addLights(scene, ends);
     for (uint lane = 0u; lane < ends->count; ++lane) {
         HdsShadeHit* at = &ends->at[lane];
         HdsShadePath* path = &ends->path[lane];
         const uint i = ends->slots[lane];
         if (!shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
+            shade_learnDomes(at, path, counters);
             at->isHit = false; /* nothing of a surface is known */
             const HdsLitPath lit = shade_litPath(at, path, 0u, i);
             shade_leave(scene, &lit, HDS_SHADE_ENDS, paths, lists);
@@ -197,6 +199,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
         return;
     }
 #endif
+    shade_learnDomes(at, path, counters);
     HdsMaterialPoint material;
     if (at->isHit) {
         step = shade_readSurface(frame, scene, at, path, &material);
@@ -242,11 +245,11 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
             shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
         }
         if (ends.count == HDS_HIT_LANES) {
-            shade_ends(frame, &scene, &ends, paths, &lists);
+            shade_ends(frame, &scene, &ends, paths, counters, &lists);
         }
     }
     if (ends.count > 0u) {
-        shade_ends(frame, &scene, &ends, paths, &lists);
+        shade_ends(frame, &scene, &ends, paths, counters, &lists);
     }
     if (hits.count > 0u) {
         shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);

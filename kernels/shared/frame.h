@@ -49,6 +49,14 @@
 #define HDS_COUNTER_CLAMPED 9 /* of what paths add: what HDS_FEATURE_PATH_LIMITS has clamped */
 #define HDS_NUM_COUNTERS 10
 
+/* Behind the counters, in lines of the cache of their own: the rays that met nothing, while the
+ * guide of domes is learnt (integrator/domeGuidePass). */
+#define HDS_GUIDE_CAMERA 32 /* f32[3] */
+#define HDS_GUIDE_SCALE 35  /* f32: factor on throughput, for 1 at the camera; 0: do not count */
+#define HDS_GUIDE_TOTAL 48  /* of all that was added to cells */
+#define HDS_GUIDE_CELLS \
+    64 /* [HDS_GUIDE_PLACES][HDS_GUIDE_ROWS][HDS_GUIDE_COLUMNS]: up to 255 a ray */
+
 HDS_SHARED_BEGIN
 /* The lens at a time; as the members of HdsFrameParams. */
 typedef struct {

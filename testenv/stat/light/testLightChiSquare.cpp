@@ -2,6 +2,7 @@
 // light_sample follows the density that light_pdf states, for each type of light: chi-square tests.
 // Each light has a domain of its own on which its density has no edges: points of its surface, or
 // directions of its cone.
+#include "hdStream/shading/domeGuide.h"
 #include "testenv/device/light/lightFixture.h"
 #include "testenv/stat/chiSquare.h"
 
@@ -327,6 +328,38 @@ TEST_F(LightChiSquareTest, Cylinder) {
                   seed++);
         }
     }
+}
+
+/// A guide that knows the place of the point, and half of its directions.
+TEST_F(LightChiSquareTest, GuidedDome) {
+    Warnings warnings;
+    LightTable table = BuildLightTable({MakeLight(LightType::Dome)}, {}, {}, warnings);
+    constexpr std::uint32_t kCells = HDS_GUIDE_ROWS * HDS_GUIDE_COLUMNS;
+    std::vector<std::uint32_t> cells(std::size_t{HDS_GUIDE_PLACES} * kCells);
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+        cells[i] = i % kCells < kCells / 2 ? 100 * (i % 7) : 0;
+    }
+    table.lights[0].flags |= HDS_LIGHT_GUIDED;
+    table.lights[0].cdfBase = std::uint32_t(table.cdf.size());
+    const std::vector<float> guide =
+        BuildDomeGuide({1.0F, 2.0F, 3.0F}, cells, table.lights[0].cdfBase);
+    table.cdf.insert(table.cdf.end(), guide.begin(), guide.end());
+    SetTable(table);
+    LightDomain sphere;
+    sphere.toSquare = [](const glm::dvec3& d, const glm::dvec3&) {
+        return Square{std::clamp(std::atan2(d.y, d.x) / (2.0 * kPi) + 0.5, 0.0, 1.0 - 1e-9),
+                      std::clamp(0.5 * d.z + 0.5, 0.0, 1.0 - 1e-9)};
+    };
+    sphere.fromSquare = [](const Square& s) {
+        const double z = 2.0 * s[1] - 1.0;
+        const double r = std::sqrt(1.0 - z * z);
+        const double phi = 2.0 * kPi * (s[0] - 0.5);
+        return glm::dvec3(r * std::cos(phi), r * std::sin(phi), z);
+    };
+    sphere.solidAngleOfSquare = [](const Square&) { return 4.0 * kPi; };
+    Check("guide, in the air", {4.0, 2.5, 3.5}, glm::dvec3(0.0), sphere, 700);
+    Check("guide, on a surface", {0.0, 1.0, 9.0}, glm::normalize(glm::dvec3(1.0, 0.5, -2.0)),
+          sphere, 701);
 }
 
 TEST_F(LightChiSquareTest, Distant) {

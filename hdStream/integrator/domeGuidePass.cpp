@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/domeGuidePass.h"
+
+#include "hdStream/shading/domeGuide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hds {
+
+namespace {
+
+constexpr double kFewPaths = 2048.0;
+constexpr double kLeastPaths = 65536.0;
+constexpr double kMostPaths = 262144.0;
+/// Of the light at the camera that few paths carry out into the open: with less there is nothing to
+/// learn, with more most light samples arrive without a guide.
+constexpr double kLeastShare = 0.002;
+constexpr double kMostShare = 0.15;
+constexpr double kWhole = 255.0; ///< what a ray adds with the throughput of the camera
+/// Random numbers are not those of the picture.
+constexpr std::uint32_t kSeedOfFew = 0x9e3779b9U;
+constexpr std::uint32_t kSeedOfMany = 0x85ebca6bU;
+
+/// The whole display window in so many pixels.
+RenderOptions WholePicture(const RenderOptions& options, double numPixels, std::uint32_t seed) {
+    RenderOptions whole = options;
+    const std::array<double, 4>& window = options.displayWindow;
+    const double aspect = (window[2] - window[0]) / (window[3] - window[1]);
+    const double height = std::clamp(std::round(std::sqrt(numPixels / aspect)), 1.0, numPixels);
+    const double width = std::max(1.0, std::floor(numPixels / height));
+    whole.imageWidth = static_cast<std::uint32_t>(width);
+    whole.imageHeight = static_cast<std::uint32_t>(height);
+    whole.displayWindow = {0.0, 0.0, width, height};
+    whole.dataWindowMin = {0, 0};
+    whole.pixelAspectRatio = options.pixelAspectRatio * aspect * height / width;
+    whole.seed = options.seed ^ seed;
+    return whole;
+}
+
+} // namespace
+
+bool LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& camera,
+                    WaveTracer* tracer, SceneBuffers* buffers, const TracePicture& trace) {
+    buffers->SetDomeGuide(camera, {});
+    const std::array<double, 4>& window = options.displayWindow;
+    const double pixels = (window[2] - window[0]) * (window[3] - window[1]);
+    tracer->BeginDomeGuide(camera, 1.0F / options.camera.exposureScale);
+    bool isDone = trace(WholePicture(options, kFewPaths, kSeedOfFew));
+    const double share = tracer->ReadDomeGuideTotal() / (kWhole * kFewPaths);
+    std::vector<std::uint32_t> cells;
+    if (isDone && share >= kLeastShare && share <= kMostShare) {
+        const double numPaths = std::clamp(pixels, kLeastPaths, kMostPaths);
+        isDone = trace(WholePicture(options, numPaths, kSeedOfMany));
+        cells = tracer->ReadDomeGuide();
+    }
+    tracer->EndDomeGuide();
+    if (isDone && !cells.empty()) {
+        buffers->SetDomeGuide(camera, cells);
+    }
+    return isDone;
+}
+
+std::vector<std::uint32_t> NumbersUpTo(std::uint32_t count) {
+    std::vector<std::uint32_t> numbers(count);
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    return numbers;
+}
+
+} // namespace hds

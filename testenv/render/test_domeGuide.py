@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Guides of domes: light through windows has less noise, the same mean, and the same bits however it is rendered."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import hdstream
+import ours
+from stages import author, shapes
+
+WIDTH, HEIGHT = 40, 30
+_HOST = dict(camera="/World/Camera", imageWidth=WIDTH, imageHeight=HEIGHT, samples=4, maxDepth=3, noCache=True)
+_WALLS = {  # size, place, turn
+    "Floor": ((4, 4), (0, 0, 0), (0, 0, 0)),
+    "Ceiling": ((4, 4), (0, 3, 0), (180, 0, 0)),
+    "Back": ((4, 4), (0, 1, -2), (90, 0, 0)),
+    "Front": ((4, 4), (0, 1, 2), (-90, 0, 0)),
+    "Left": ((4, 4), (-2, 1, 0), (0, 0, -90)),
+    "RightLow": ((1.0, 4), (2, 0.5, 0), (0, 0, 90)),
+    "RightHigh": ((1.0, 4), (2, 2.5, 0), (0, 0, 90)),
+    "RightFar": ((1.0, 1.5), (2, 1.5, -1.25), (0, 0, 90)),
+    "RightNear": ((1.0, 1.5), (2, 1.5, 1.25), (0, 0, 90)),
+}
+
+
+def _Room(path, sun=True, walls=tuple(_WALLS)):
+    """A room with a window of 1 x 1 in its right wall, below an even sky."""
+    stage = author.NewStage(str(path))
+    for name in walls:
+        size, place, turn = _WALLS[name]
+        author.AddMesh(stage, f"/World/{name}", shapes.Plane(*size), color=(0.7, 0.6, 0.5), doubleSided=True, translate=place, rotate=turn)
+    author.AddMesh(stage, "/World/Box", shapes.Box(0.8, 0.8, 0.8), color=(0.4, 0.4, 0.6), translate=(0.5, 0.4, -0.5))
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=2.0)
+    if sun:
+        author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 80, 0)), intensity=20000.0, angle=0.5)
+    author.AddCamera(stage, "/World/Camera", (-1.5, 1.5, 1.6), (1.0, 1.0, -1.0), focalLength=18.0)
+    stage.GetRootLayer().Save()
+    return str(path)
+
+
+def _Draw(stage, **settings):
+    return ours.Render(stage, WIDTH, HEIGHT, **{"samples": 8, "maxDepth": 3, **settings})
+
+
+def _Error(stage, reference, **settings):
+    """Mean of squares over those of the reference, which another seed drew."""
+    pictures = [_Draw(stage, seed=seed, samples=16, **settings).rgb for seed in (1, 2)]
+    return np.mean([np.mean((picture - reference) ** 2) for picture in pictures])
+
+
+def test_a_window_is_found(tmp_path):
+    """Pictures of hosts that edit have no guide: they are the brute force. The mean is theirs, the noise a part of it."""
+    stage = _Room(tmp_path / "room.usda")
+    plain = [_Draw(stage, interactive=True, seed=seed, samples=256).rgb for seed in range(11, 15)]
+    guided = [_Draw(stage, seed=seed, samples=256).rgb for seed in range(11, 15)]
+    difference = np.mean(guided) - np.mean(plain)
+    deviation = np.std([p.mean() for p in plain]) / np.sqrt(3) + np.std([p.mean() for p in guided]) / np.sqrt(3)
+    assert abs(difference) < 4 * deviation + 1e-4 * np.mean(plain)
+    blocks = lambda pictures: np.mean(pictures, 0).mean(-1).reshape(5, 6, 5, 8).mean((1, 3))
+    assert blocks(guided) == pytest.approx(blocks(plain), rel=0.06)
+    reference = np.mean(guided + plain, 0)
+    assert _Error(stage, reference) < 0.5 * _Error(stage, reference, interactive=True)
+
+
+@pytest.mark.parametrize("settings", [
+    dict(residency="stream", geometryMemory="30%", chunkBytes=4096), dict(waveSize=700), dict(kernels="general"), dict(traversal="simd8"),
+    dict(traversal="scalar", residency="resident")], ids=lambda settings: next(iter(settings.values())))
+def test_bits_do_not_depend_on_how_it_is_rendered(settings, tmp_path):
+    stage = _Room(tmp_path / "room.usda")
+    assert _Draw(stage, **settings).rgb.tobytes() == _Draw(stage, kernels="own", residency="resident").rgb.tobytes()
+
+
+def test_a_crop_has_the_bits_of_the_picture(tmp_path):
+    stage = _Room(tmp_path / "room.usda")
+    whole = hdstream.Render(stage, **_HOST).aovs["color"]
+    crop = hdstream.Render(stage, crop=(10, 12, 30, 24), **_HOST).aovs["color"]
+    assert crop.tobytes() == np.ascontiguousarray(whole[12:24, 10:30]).tobytes()
+
+
+def test_an_open_sky_has_no_guide(tmp_path):
+    """Without walls and ceiling nothing changes, not even the noise."""
+    stage = _Room(tmp_path / "plain.usda", walls=("Floor",))
+    assert _Draw(stage).rgb.tobytes() == _Draw(stage, interactive=True).rgb.tobytes()
+
+
+def test_edits_forget_the_guide(tmp_path):
+    """A session that has drawn another camera's guide draws what a fresh one does."""
+    from hdstream import _core
+    from hdstream.translate import TranslateStage
+    from pxr import Usd
+
+    stage = _Room(tmp_path / "room.usda")
+    session = _core.Session()
+    TranslateStage(Usd.Stage.Open(stage), session, Usd.TimeCode.Default())
+    pictures = []
+    for samples in (8, 8):
+        for seed in (5, 0):
+            options = _core.Settings()
+            options.camera, options.imageWidth, options.imageHeight = "/World/Camera", WIDTH, HEIGHT
+            options.pixelFilter, options.pixelFilterWidth, options.russianRoulette, options.noCache = "box", 1.0, False, True
+            options.samples, options.maxDepth, options.seed = samples, 3, seed
+            session.Render(options)
+        pictures.append(np.array(session.Layers()[0].pixels)[..., :3])
+    assert pictures[0].tobytes() == pictures[1].tobytes() == _Draw(stage).layers["color"][..., :3].tobytes()
