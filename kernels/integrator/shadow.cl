@@ -127,9 +127,7 @@ bool shadow_decide(const HdsSceneView* scene, HdsPaths paths, uint i, uint found
     }
     if (found == HDS_RAY_BLOCKED) {
         shadow_addBlocked(scene, paths, i, (float3)(1.0f), 0.0f);
-#if HDS_FEATURE_CUTOUT
         shadow_end(paths, i, readyQueue, counters);
-#endif
     }
     return false;
 }
