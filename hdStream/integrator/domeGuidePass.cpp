@@ -41,14 +41,31 @@ RenderOptions WholePicture(const RenderOptions& options, double numPixels, std::
 
 } // namespace
 
-bool LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& camera,
+std::vector<std::uint32_t> PixelsOf(const RenderOptions& picture) {
+    std::vector<std::uint32_t> pixels(std::size_t{picture.imageWidth} * picture.imageHeight);
+    std::iota(pixels.begin(), pixels.end(), 0U);
+    return pixels;
+}
+
+bool ForEachWave(const RenderOptions& picture, std::uint32_t maxPaths,
+                 const std::function<bool(const shared::HdsWave&)>& trace) {
+    const std::uint32_t numPixels = picture.imageWidth * picture.imageHeight;
+    bool isDone = true;
+    for (std::uint32_t first = 0; isDone && first < numPixels; first += maxPaths) {
+        isDone = trace({first, std::min(maxPaths, numPixels - first), 0, 1});
+    }
+    return isDone;
+}
+
+void LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& camera,
                     WaveTracer* tracer, SceneBuffers* buffers, const TracePicture& trace) {
-    buffers->SetDomeGuide(camera, {});
     const std::array<double, 4>& window = options.displayWindow;
     const double pixels = (window[2] - window[0]) * (window[3] - window[1]);
     tracer->BeginDomeGuide(camera, 1.0F / options.camera.exposureScale);
-    bool isDone = trace(WholePicture(options, kFewPaths, kSeedOfFew));
-    const double share = tracer->ReadDomeGuideTotal() / (kWhole * kFewPaths);
+    const RenderOptions few = WholePicture(options, kFewPaths, kSeedOfFew);
+    bool isDone = trace(few);
+    const double share =
+        tracer->ReadDomeGuideTotal() / (kWhole * double(few.imageWidth) * few.imageHeight);
     std::vector<std::uint32_t> cells;
     if (isDone && share >= kLeastShare && share <= kMostShare) {
         const double numPaths = std::clamp(pixels, kLeastPaths, kMostPaths);
@@ -59,13 +76,6 @@ bool LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& ca
     if (isDone && !cells.empty()) {
         buffers->SetDomeGuide(camera, cells);
     }
-    return isDone;
-}
-
-std::vector<std::uint32_t> NumbersUpTo(std::uint32_t count) {
-    std::vector<std::uint32_t> numbers(count);
-    std::iota(numbers.begin(), numbers.end(), 0U);
-    return numbers;
 }
 
 } // namespace hds

@@ -15,18 +15,23 @@
 
 namespace hds {
 
+/// The pixels of a picture, in any order that is always the same.
+std::vector<std::uint32_t> PixelsOf(const RenderOptions& picture);
+
+/// Calls `trace` for waves of one sample of all pixels of a picture. \return false when one of them
+/// was cancelled: the others are left out.
+bool ForEachWave(const RenderOptions& picture, std::uint32_t maxPaths,
+                 const std::function<bool(const shared::HdsWave&)>& trace);
+
 /// Traces a path through each pixel of a picture with these options. \return false when it was
 /// cancelled.
 using TracePicture = std::function<bool(const RenderOptions& options)>;
 
-/// Learns the guide and gives it to the domes in `buffers`; a few paths decide whether many are
-/// traced. What the last guide was is forgotten. The result depends on the scene and the options
-/// of the whole picture: crops and tiles have one guide. Kernels have to be bound again. \param
-/// camera relative to the scene centre. \return false when it was cancelled.
-bool LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& camera,
+/// Learns the guide and gives it to the domes in `buffers`, which have none, unless it is
+/// cancelled; a few paths decide whether many are traced. The result depends on the scene and the
+/// options of the whole picture: crops and tiles have one guide. Kernels have to be bound again.
+/// \param camera relative to the scene centre.
+void LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& camera,
                     WaveTracer* tracer, SceneBuffers* buffers, const TracePicture& trace);
-
-/// 0, 1, ... count - 1.
-std::vector<std::uint32_t> NumbersUpTo(std::uint32_t count);
 
 } // namespace hds

@@ -25,7 +25,7 @@ public:
     /// Exchanges the constants for those of options that differ in camera, image or seed alone.
     void SetOptions(const RenderOptions& options, const CommittedScene& scene);
 
-    /// Of the present constants, relative to the scene centre, as the shutter opens.
+    /// Of the present constants, relative to the scene centre.
     std::array<float, 3> CameraPosition() const { return _camera; }
     const Buffer& Frame() const { return _frame; }
     const Buffer& Filter() const { return _filter; }

@@ -59,9 +59,8 @@ struct PathTracer::Impl {
     void Begin(RenderOptions newOptions, const std::vector<FilmSums>& start) {
         options = std::move(newOptions);
         statistics = {};
-        if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
-            ++sceneNumber;
-        }
+        sceneNumber += buffers.SetMipBias(static_cast<float>(options.mipBias)) ? 1 : 0;
+        sceneNumber += buffers.SetDomeGuide({}, {}) ? 1 : 0; // that of the last render
         ReadyHierarchy();
         kernelSets.EndWarm();
         ReadyKernels();
@@ -175,36 +174,35 @@ struct PathTracer::Impl {
             isCancelled);
     }
 
-    /// Traces a path through each pixel of another picture, whose samples nobody keeps. \return
-    /// false when it was cancelled.
+    /// Traces another picture, whose samples nobody keeps. \return false when it was cancelled.
     bool TracePaths(const RenderOptions& picture, const WaveTracer::IsCancelled& isCancelled) {
-        const std::uint32_t numPixels = picture.imageWidth * picture.imageHeight;
-        UploadPixels(NumbersUpTo(numPixels));
+        UploadPixels(PixelsOf(picture));
         constants.SetOptions(picture, *scene);
-        bool isDone = true;
-        for (std::uint32_t first = 0; isDone && first < numPixels; first += tracer.MaxPaths()) {
-            isDone = TraceSamples({first, std::min(tracer.MaxPaths(), numPixels - first), 0, 1},
-                                  isCancelled);
-        }
+        const bool isDone = ForEachWave(picture, tracer.MaxPaths(), [&](const auto& wave) {
+            return TraceSamples(wave, isCancelled);
+        });
         constants.SetOptions(options, *scene);
         CollectTexelCounts();
         return isDone;
     }
 
-    /// Learns the guide of domes (domeGuidePass.h); hosts that edit do not wait for it. \return
-    /// false when it was cancelled.
-    bool LearnDomes(const WaveTracer::IsCancelled& isCancelled) {
-        if (options.interactive || !MayHaveGuide(*scene->lights)) {
-            return true;
+    /// Learns the guide of domes, in a tenth of a limit of time; hosts that edit do not wait for
+    /// it.
+    void LearnDomes(const Onlooker& onlooker, bool isNeeded) {
+        if (!isNeeded || options.interactive || !MayHaveGuide(*scene->lights)) {
+            return;
         }
-        const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
-        const bool isDone = LearnDomeGuide(
-            options, constants.CameraPosition(), &tracer, &buffers,
-            [&](const RenderOptions& picture) { return TracePaths(picture, isCancelled); });
+        const auto isCancelled = [&] {
+            return schedule.IsTimeUp(10.0 * onlooker.timer.Seconds()) ||
+                   (onlooker.watch.isCancelled && onlooker.watch.isCancelled());
+        };
+        const RenderStatistics before = statistics; // counts are those of pictures
+        LearnDomeGuide(options, constants.CameraPosition(), &tracer, &buffers,
+                       [&](const auto& picture) { return TracePaths(picture, isCancelled); });
+        statistics.TakeCounts(before);
         ++sceneNumber; // the tables of lights may be others
         ReadyKernels();
-        statistics.indirectRays = indirectRays;
-        return isDone;
+        ReadyPathState();
     }
 
     /// \return false when it was cancelled: the film is as before.
@@ -417,8 +415,8 @@ struct PathTracer::Impl {
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
         presentList.reset();
-        onlooker.isStopped = !LearnDomes(watch.isCancelled);
         std::optional<SamplePass> pass = schedule.Next();
+        LearnDomes(onlooker, pass.has_value());
         while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
             EndPass(*pass, &onlooker);
             pass = schedule.Next();

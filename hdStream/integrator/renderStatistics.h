@@ -44,6 +44,20 @@ struct RenderStatistics {
     std::uint64_t filmBytes = 0;
     std::uint64_t deepBytes = 0;   ///< of host memory, for a deep picture
     std::uint64_t deepCrowded = 0; ///< samples that have joined another surface there
+
+    /// Takes the counts of rays and launches back to what they were, for what is traced for no
+    /// picture.
+    void TakeCounts(const RenderStatistics& before) {
+        cameraRays = before.cameraRays;
+        indirectRays = before.indirectRays;
+        shadowRays = before.shadowRays;
+        rayBatches = before.rayBatches;
+        iterations = before.iterations;
+        maxIterationsPerBatch = before.maxIterationsPerBatch;
+        raysRelaunched = before.raysRelaunched;
+        shadePasses = before.shadePasses;
+        shadeIterations = before.shadeIterations;
+    }
 };
 
 } // namespace hds

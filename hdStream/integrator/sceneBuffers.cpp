@@ -186,26 +186,33 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     return true;
 }
 
-void SceneBuffers::SetDomeGuide(const std::array<float, 3>& camera,
+bool SceneBuffers::SetDomeGuide(const std::array<float, 3>& camera,
                                 const std::vector<std::uint32_t>& cells) {
-    const auto base = static_cast<std::uint32_t>(_lights->cdf.size());
+    const std::shared_ptr<const LightTable> table = _lights;
+    if (!table) {
+        return false;
+    }
+    const auto base = static_cast<std::uint32_t>(table->cdf.size());
     const std::vector<float> guide =
         cells.empty() ? std::vector<float>() : BuildDomeGuide(camera, cells, base);
     const bool hadGuide = std::exchange(_hasDomeGuide, !guide.empty());
     if (!hadGuide && !_hasDomeGuide) {
-        return;
+        return false;
     }
-    std::vector<float> cdf = _lights->cdf;
+    std::vector<float> cdf = table->cdf;
     cdf.insert(cdf.end(), guide.begin(), guide.end());
-    Upload(LightCdf, cdf);
-    std::vector<shared::HdsLight> lights = _lights->lights;
+    std::vector<shared::HdsLight> lights = table->lights;
     for (shared::HdsLight& light : lights) {
         if (_hasDomeGuide && MayHaveGuide(light)) {
             light.flags |= HDS_LIGHT_GUIDED;
             light.cdfBase = base;
         }
     }
+    _lights = nullptr; // until both are there
+    Upload(LightCdf, cdf);
     Upload(Lights, lights);
+    _lights = table;
+    return true;
 }
 
 void SceneBuffers::BeginStatistics() {

@@ -75,8 +75,8 @@ public:
     const FlatGeometry& Flat() const { return _flat; }
 
     /// Gives the domes that may have one a guide (BuildDomeGuide), or takes it away: no cells.
-    /// Kernels have to be bound again.
-    void SetDomeGuide(const std::array<float, 3>& camera, const std::vector<std::uint32_t>& cells);
+    /// \return whether tables are others: kernels have to be bound again.
+    bool SetDomeGuide(const std::array<float, 3>& camera, const std::vector<std::uint32_t>& cells);
 
     /// Statistics of geometry and textures count from 0 again.
     void BeginStatistics();

@@ -98,8 +98,8 @@ WaveQueues::Counts WaveQueues::ReadCounters() const {
 }
 
 void WaveQueues::ResizeCounters(std::uint32_t numWords) {
-    _counters = Buffer(); // frees first
-    _counters = Buffer(_device, "counters", numWords * sizeof(std::uint32_t));
+    Buffer counters(_device, "counters", numWords * sizeof(std::uint32_t)); // may throw
+    _counters = std::move(counters);
     ClearCounter(0, numWords);
 }
 

@@ -69,7 +69,7 @@ public:
     const Buffer& ShadowQueue() const { return _queues.Queue(WaveQueues::kShadowQueue); }
     const Buffer& Counters() const { return _queues.Counters(); }
     Counts ReadCounters() const { return _queues.ReadCounters(); }
-    void ClearCounters() { _queues.ClearCounter(0, HDS_NUM_COUNTERS); }
+    void ClearCounters() { _queues.ClearCounter(0, HDS_GUIDE_CELLS); }
 
     /// Between the first and the last of these, rays that meet nothing are counted for the guide of
     /// domes. \param scale factor on throughput, for 1 at the camera.

@@ -80,7 +80,7 @@ typedef struct {
                         and in lightCdf its HdsMeshMotion, or HDS_NONE: it rests */
     u32 cdfBase;   /* in lightCdf: guide: the camera [3], then where the distribution of each place
                       is, or HDS_NONE [HDS_GUIDE_PLACES]; image: marginal [height + 1], then
-                      conditionals   [height][width + 1], of a dome then its texels   (light/domeImage);
+                      conditionals [height][width + 1], of a dome then its texels (light/domeImage);
                       mesh: by weight [numTriangles + 1] */
     f32 strength;  /* luminance; finite: power / (4 pi); at infinity: irradiance */
     f32 center[3]; /* of a sphere that bounds the emitting shape, world */

@@ -80,7 +80,7 @@ void farLights(const HdsTestContext* context, const Real* in, Real* out) {
         HdsLightSample s;
         s.image = take2(in + 3);
         s.color = vec_splat((Real)(0.0f));
-        far_sample(light, context->table, take3(in), take2(in + 3), &s);
+        far_sample(light, context->table, take3(in), take3(in), take2(in + 3), &s);
         out = put3(out, s.direction);
         out = put3(out, s.radiance);
         out = put3(out, s.color);
