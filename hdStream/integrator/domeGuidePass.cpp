@@ -14,16 +14,15 @@ namespace {
 constexpr double kFewPaths = 2048.0;
 constexpr double kLeastPaths = 65536.0;
 constexpr double kMostPaths = 262144.0;
-/// Of the light at the camera that few paths carry out into the open: with less there is nothing to
+/// Of the rays that surfaces send on, those that find the open: with fewer there is nothing to
 /// learn, with more most light samples arrive without a guide.
 constexpr double kLeastShare = 0.002;
 constexpr double kMostShare = 0.15;
-constexpr double kWhole = 255.0; ///< what a ray adds with the throughput of the camera
 /// Random numbers are not those of the picture.
 constexpr std::uint32_t kSeedOfFew = 0x9e3779b9U;
 constexpr std::uint32_t kSeedOfMany = 0x85ebca6bU;
 
-/// The whole display window in so many pixels.
+/// The whole display window in so many pixels, as paths that learn see it.
 RenderOptions WholePicture(const RenderOptions& options, double numPixels, std::uint32_t seed) {
     RenderOptions whole = options;
     const std::array<double, 4>& window = options.displayWindow;
@@ -36,6 +35,7 @@ RenderOptions WholePicture(const RenderOptions& options, double numPixels, std::
     whole.dataWindowMin = {0, 0};
     whole.pixelAspectRatio = options.pixelAspectRatio * aspect * height / width;
     whole.seed = options.seed ^ seed;
+    whole.learns = true;
     return whole;
 }
 
@@ -64,8 +64,7 @@ void LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& ca
     tracer->BeginDomeGuide(camera, 1.0F / options.camera.exposureScale);
     const RenderOptions few = WholePicture(options, kFewPaths, kSeedOfFew);
     bool isDone = trace(few);
-    const double share =
-        tracer->ReadDomeGuideTotal() / (kWhole * double(few.imageWidth) * few.imageHeight);
+    const double share = tracer->ReadDomeGuideShare();
     std::vector<std::uint32_t> cells;
     if (isDone && share >= kLeastShare && share <= kMostShare) {
         const double numPaths = std::clamp(pixels, kLeastPaths, kMostPaths);

@@ -74,7 +74,8 @@ public:
     /// Between the first and the last of these, rays that meet nothing are counted for the guide of
     /// domes. \param scale factor on throughput, for 1 at the camera.
     void BeginDomeGuide(const std::array<float, 3>& camera, float scale);
-    std::uint32_t ReadDomeGuideTotal() const;
+    /// Of the rays that surfaces have sent on: the share of those that were counted.
+    double ReadDomeGuideShare() const;
     std::vector<std::uint32_t> ReadDomeGuide() const;
     /// Clears all counters, too.
     void EndDomeGuide() { _queues.ResizeCounters(HDS_GUIDE_CELLS); }
@@ -103,6 +104,7 @@ private:
     std::shared_ptr<Device> _device;
     SceneBuffers* _buffers;
     RenderStatistics* _statistics;
+    std::uint64_t _raysBeforeGuide = 0;
     StageKernels* _kernels = nullptr;
     bool _hasCutouts = false;
     bool _hasLists = false; ///< what waits goes on by itself

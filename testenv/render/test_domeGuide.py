@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from pxr import Sdf, UsdGeom
 
 pytest.importorskip("hdstream._core")
 
@@ -27,17 +28,19 @@ _WALLS = {  # size, place, turn
 }
 
 
-def _Room(path, sun=True, walls=tuple(_WALLS)):
+def _Room(path, sun=True, walls=tuple(_WALLS), gray=None, edit=None):
     """A room with a window of 1 x 1 in its right wall, below an even sky."""
     stage = author.NewStage(str(path))
     for name in walls:
         size, place, turn = _WALLS[name]
-        author.AddMesh(stage, f"/World/{name}", shapes.Plane(*size), color=(0.7, 0.6, 0.5), doubleSided=True, translate=place, rotate=turn)
+        author.AddMesh(stage, f"/World/{name}", shapes.Plane(*size), color=(gray,) * 3 if gray else (0.7, 0.6, 0.5), doubleSided=True, translate=place, rotate=turn)
     author.AddMesh(stage, "/World/Box", shapes.Box(0.8, 0.8, 0.8), color=(0.4, 0.4, 0.6), translate=(0.5, 0.4, -0.5))
     author.AddLight(stage, "/World/Sky", "Dome", intensity=2.0)
     if sun:
         author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 80, 0)), intensity=20000.0, angle=0.5)
     author.AddCamera(stage, "/World/Camera", (-1.5, 1.5, 1.6), (1.0, 1.0, -1.0), focalLength=18.0)
+    if edit:
+        edit(stage)
     stage.GetRootLayer().Save()
     return str(path)
 
@@ -82,10 +85,33 @@ def test_a_crop_has_the_bits_of_the_picture(tmp_path):
     assert crop.tobytes() == np.ascontiguousarray(whole[12:24, 10:30]).tobytes()
 
 
-def test_an_open_sky_has_no_guide(tmp_path):
-    """Without walls and ceiling nothing changes, not even the noise."""
-    stage = _Room(tmp_path / "plain.usda", walls=("Floor",))
+@pytest.mark.parametrize("gray", [0.6, 0.04])
+def test_an_open_sky_has_no_guide(gray, tmp_path):
+    """Without walls and ceiling nothing changes, not even the noise; nor where little light is reflected."""
+    stage = _Room(tmp_path / "plain.usda", walls=("Floor",), gray=gray)
     assert _Draw(stage).rgb.tobytes() == _Draw(stage, interactive=True).rgb.tobytes()
+
+
+@pytest.mark.parametrize("name", ["hdstream:holdout", "hdstream:shadowCatcher", "hdstream:visibility:camera"])
+def test_what_cameras_alone_see_changes_no_guide(name, tmp_path):
+    """Where the box is not before the camera, the bits are those of the plain picture, as compositing needs it."""
+    def Say(stage):
+        box = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Box"))
+        box.CreatePrimvar(name, Sdf.ValueTypeNames.Bool, "constant").Set(name != "hdstream:visibility:camera")
+
+    layers = ("color", "primId")
+    plain, said = (ours.Render(_Room(tmp_path / "room.usda", edit=edit), WIDTH, HEIGHT, layers, samples=8, maxDepth=3).layers
+                   for edit in (None, Say))
+    prims = np.squeeze(plain["primId"])
+    isBox = prims == prims[HEIGHT // 2 + 4, WIDTH // 2]  # samples of a pixel see what is beside it
+    near = np.zeros_like(isBox)
+    for y, x in zip(*np.nonzero(isBox)):
+        near[max(y - 2, 0):y + 3, max(x - 2, 0):x + 3] = True
+    assert 0.05 < near.mean() < 0.6
+    assert np.array_equal(plain["color"][~near], said["color"][~near])
+    assert not np.array_equal(plain["color"][isBox], said["color"][isBox])
+    interactive = _Draw(_Room(tmp_path / "room.usda"), interactive=True)  # there is a guide
+    assert not np.array_equal(interactive.layers["color"][~near], plain["color"][~near])
 
 
 def test_a_session_forgets_the_guide(tmp_path):
