@@ -11,9 +11,9 @@ namespace hds {
 
 namespace {
 
-/// A cluster is cut when it is larger than this part of the mesh...
+/// A cluster of more than two triangles is cut when it is larger than this part of the mesh...
 constexpr double kMaxSize = 0.5;
-/// ...or when its triangles cover less of its box than this. A sphere covers 0.52.
+/// ...and any when its triangles cover less of its box than this. A sphere covers 0.52.
 constexpr double kMinCover = 0.25;
 /// Parts larger than this against the whole tell nothing.
 constexpr double kMinGain = 0.9;
@@ -82,7 +82,8 @@ private:
         for (std::size_t i = begin; i < end; ++i) {
             area += _all[i].area;
         }
-        return box.Diagonal() > kMaxSize * _meshDiagonal || area < kMinCover * box.Area();
+        const bool isLarge = end - begin > 2 && box.Diagonal() > kMaxSize * _meshDiagonal;
+        return isLarge || area < kMinCover * box.Area();
     }
 
     /// By centroids along the longest axis of their box; ties by primId.

@@ -33,6 +33,10 @@
 #include "shading/materialPoint.clh"
 #include "light/place.clh"
 #include "light/rect.clh"
+#if HDS_FEATURE_MESH_LIGHTS
+#include "sample/sphericalTriangle.clh"
+#include "light/panel.clh"
+#endif
 #include "light/image.clh"
 #include "light/domeImage.clh"
 #include "light/dome.clh"

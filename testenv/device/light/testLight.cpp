@@ -195,6 +195,16 @@ TEST_F(LightTest, DeltaLightsAreSampledAndNeverHit) {
     EXPECT_EQ(result.pdf, 1.0);
 }
 
+/// Of a triangle as the origin sees it. Source: Van Oosterom and Strackee 1983.
+double SolidAngle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const double la = glm::length(a);
+    const double lb = glm::length(b);
+    const double lc = glm::length(c);
+    return 2.0 * std::atan2(std::abs(glm::dot(a, glm::cross(b, c))),
+                            la * lb * lc + glm::dot(a, b) * lc + glm::dot(a, c) * lb +
+                                glm::dot(b, c) * la);
+}
+
 TEST_F(LightTest, MeshSamplesEndInFrontOfTheirTriangle) {
     EmissiveMesh mesh;
     mesh.radiance = glm::dvec3(1.0);
@@ -216,6 +226,7 @@ TEST_F(LightTest, MeshSamplesEndInFrontOfTheirTriangle) {
     const auto results = Sample(points, normals, RandomUnits(generator, kCount * 4));
     const double area = 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
     std::size_t numValid = 0;
+    std::size_t numSubtended = 0;
     for (std::size_t i = 0; i < kCount; ++i) {
         const LightSampleResult& r = results[i];
         if (!r.isValid) {
@@ -227,9 +238,14 @@ TEST_F(LightTest, MeshSamplesEndInFrontOfTheirTriangle) {
         const double endSide = glm::dot(n, from + r.direction * r.distance - p[0]);
         ASSERT_GT(endSide * side, 0.0) << "the shadow ray crosses its light";
         const double cosine = std::abs(glm::dot(n, r.direction));
-        ASSERT_NEAR(r.pdf, r.distance * r.distance / (area * cosine), 2e-2 * r.pdf + 1e-6);
+        const double solidAngle = SolidAngle(p[0] - from, p[1] - from, p[2] - from);
+        const double expected =
+            solidAngle > 0.01 ? 1.0 / solidAngle : r.distance * r.distance / (area * cosine);
+        ASSERT_NEAR(r.pdf, expected, 2e-2 * r.pdf + 1e-6);
+        numSubtended += solidAngle > 0.01 ? 1 : 0;
     }
     EXPECT_GT(numValid, kCount * 9 / 10);
+    EXPECT_GT(numSubtended, kCount / 4);
 }
 
 TEST_F(LightTest, SelectionIsAProbabilityThatMatchesItsChoices) {

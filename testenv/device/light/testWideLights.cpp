@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rect lights, lights at infinity and the choice of a light: 8 paths at once against one.
+// Rect lights, panels, lights at infinity and the choice of a light: 8 paths at once against one.
 #include "hdStream/integrator/kernelFeatures.h"
 #include "testenv/device/math/lanesFixture.h"
 
@@ -69,6 +69,36 @@ void choices(const HdsTestContext* context, const Real* in, Real* out) {
         out = put1(out, light_estimate(&view, i, &at));
     }
 }
+)";
+
+const char* const kPanelText = R"(
+#define HDS_TEST_FIELDS_Panel(R1, R2, R3, U)                                                \
+    R3(p0[0]) R3(p0[1]) R3(e1[0]) R3(e1[1]) R3(e2[0]) R3(e2[1]) R3(radiance)                \
+    R1(error[0]) R1(error[1]) R1(firstShare) R1(area) U(isTwoSided)
+HDS_TEST_STRUCT(Panel)
+/* in: a light, a point, two numbers. */
+void panels(const HdsTestContext* context, const Real* in, Real* out) {
+    HdsPanel panel;
+    Panel_make(&panel, in);
+    const Real3 position = take3(in + 26);
+    HdsSphericalTriangle first;
+    HdsSphericalTriangle second;
+    out = put1(out, panel_look(&panel, position, &first, &second));
+    HdsLightSample light;
+    const Bool isLit = panel_sampleWorld(&panel, position, take2(in + 29), &light);
+    out = putFlag(out, isLit);
+    out = put3(out, only(isLit, light.direction));
+    out = put3(out, only(isLit, light.radiance));
+    out = put1(out, only1(isLit, light.distance));
+    out = put1(out, only1(isLit, light.pdf));
+}
+)";
+
+constexpr std::size_t kPanelResults = 10;
+
+const char* const kPanelKernels = R"(
+HDS_TEST_FORMS(panels, 31, 10)
+HDS_TEST_LANES(Panel, 26)
 )";
 
 const char* const kFarText = R"(
@@ -162,6 +192,37 @@ void AddRect(LaneRandom& r, LaneCase& one) {
     }
     one.Add({r.Unit(), r.Unit()});
     one.Add({q[0], q[1], q[2]});
+}
+
+/// A quad, or a triangle alone, at any place; a point near it, far away, or in its plane; two
+/// numbers.
+void AddPanel(LaneRandom& r, LaneCase& one) {
+    const auto add = [&](const Vec& v) { one.Add({v[0], v[1], v[2]}); };
+    const auto along = [](const Vec& p, float s, const Vec& e, float t, const Vec& f) {
+        return Vec{p[0] + s * e[0] + t * f[0], p[1] + s * e[1] + t * f[1],
+                   p[2] + s * e[2] + t * f[2]};
+    };
+    const std::array<Vec, 3> axes = Rotation(r);
+    const float scale = r.Is(4) ? 100.0F : 1.0F;
+    const Vec origin = {scale * r.Unit(), -scale * r.Unit(), scale * r.Unit()};
+    const Vec zero = {0.0F, 0.0F, 0.0F};
+    const float width = r.Sized(-3.0F, 2.0F);
+    const float height = r.Is(2) ? width : r.Sized(-3.0F, 2.0F);
+    const Vec e1 = along(zero, width, axes[0], 0.0F, zero);
+    const Vec e2 = along(zero, height, axes[1], 0.3F * width * r.Unit(), axes[0]);
+    const bool isAlone = r.Is(4);
+    add(origin);
+    add(isAlone ? origin : along(origin, 1.0F, e1, 1.0F, e2));
+    add(e1);
+    add(isAlone ? zero : along(zero, -1.0F, e1, 0.0F, zero));
+    add(e2);
+    add(isAlone ? zero : along(zero, -1.0F, e2, 0.0F, zero));
+    one.AddColor(r, 30.0F);
+    one.Add({1e-6F * scale, 2e-6F * scale, isAlone ? 1.0F : 0.5F});
+    one.Add({width * height, OfBits(r.Is(3) ? HDS_LIGHT_TWO_SIDED : 0U)});
+    const Vec q = PointBefore(r, width, height);
+    add(along(along(origin, q[0], axes[0], q[1], axes[1]), q[2], axes[2], 0.0F, zero));
+    one.Add({r.Unit(), r.Unit()});
 }
 
 /// A point's normal, or that it has none; two numbers; a direction, at times a pole's.
@@ -331,6 +392,25 @@ TEST_F(WideLights, RectsHaveTheSameBits) {
         ExpectSameBits(*_program, "rectsForms", 80000, kRectResults, AddRect, {}, 7);
     EXPECT_EQ(CountConstant(results, kRectResults), 0U);
     ExpectLanes(*_program, "RectLight", 26);
+}
+
+TEST_F(WideLights, PanelsHaveTheSameBits) {
+    KernelFeatures features;
+    features.meshLights = true;
+    const auto program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh",
+                                    kPanelText, kPanelKernels, features.WithNeeds().Defines());
+    const auto results =
+        ExpectSameBits(*program, "panelsForms", 80000, kPanelResults, AddPanel, {}, 9);
+    EXPECT_EQ(CountConstant(results, kPanelResults), 0U);
+    std::size_t numSubtended = 0;
+    std::size_t numByArea = 0;
+    for (std::size_t i = 0; i < results.size(); i += kPanelResults) {
+        const bool isLit = results[i + 1] != 0;
+        (OfBits(results[i]) > 0.0F ? numSubtended : numByArea) += isLit ? 1 : 0;
+    }
+    EXPECT_GT(numSubtended, 10000U);
+    EXPECT_GT(numByArea, 10000U);
+    ExpectLanes(*program, "Panel", 26);
 }
 
 TEST_F(WideLights, LightsAtInfinityHaveTheSameBits) {
