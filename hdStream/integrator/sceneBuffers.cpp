@@ -192,21 +192,28 @@ bool SceneBuffers::SetDomeGuide(const std::array<float, 3>& camera,
     if (!table) {
         return false;
     }
-    const auto base = static_cast<std::uint32_t>(table->cdf.size());
-    const std::vector<float> guide =
-        cells.empty() ? std::vector<float>() : BuildDomeGuide(camera, cells, base);
-    const bool hadGuide = std::exchange(_hasDomeGuide, !guide.empty());
-    if (!hadGuide && !_hasDomeGuide) {
+    const bool hadGuide = std::exchange(_hasDomeGuide, false);
+    if (!hadGuide && cells.empty()) {
         return false;
     }
     std::vector<float> cdf = table->cdf;
-    cdf.insert(cdf.end(), guide.begin(), guide.end());
     std::vector<shared::HdsLight> lights = table->lights;
     for (shared::HdsLight& light : lights) {
-        if (_hasDomeGuide && MayHaveGuide(light)) {
-            light.flags |= HDS_LIGHT_GUIDED;
-            light.cdfBase = base;
+        if (cells.empty() || !MayHaveGuide(light)) {
+            continue;
         }
+        const auto base = static_cast<std::uint32_t>(cdf.size());
+        const std::vector<float> guide =
+            BuildDomeGuide(camera, cells, LightOfCells(light, table->cdf), base);
+        if (!guide.empty()) {
+            cdf.insert(cdf.end(), guide.begin(), guide.end());
+            light.flags |= HDS_LIGHT_GUIDED;
+            light.params[0] = shared::FloatOfBits(base);
+            _hasDomeGuide = true;
+        }
+    }
+    if (!hadGuide && !_hasDomeGuide) {
+        return false;
     }
     _lights = nullptr; // until both are there
     Upload(LightCdf, cdf);

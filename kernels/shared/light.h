@@ -33,16 +33,12 @@
     128u /* mesh with UsdLuxMeshLightAPI: its radiance replaces the emission \
             of the material, for camera rays only if it is visible to them */
 
-#define HDS_LIGHT_GUIDED                                                     \
-    256u /* dome without an image or portals: light samples follow its guide \
-          */
+#define HDS_LIGHT_GUIDED 256u /* dome without portals: light samples follow its guide */
 
 /* The guide of domes (light/domeGuide.clh): cells of directions, powers of two, and cubes. */
 #define HDS_GUIDE_COLUMNS 16u
 #define HDS_GUIDE_ROWS 8u
 #define HDS_GUIDE_PLACES 2048u
-/* Of the light samples where a place has one; the others go by the cosine. */
-#define HDS_GUIDE_SHARE 0.9f
 /* Of the light of a dome, what is taken to arrive there, among other lights. */
 #define HDS_GUIDE_ESTIMATE 0.25f
 
@@ -70,7 +66,10 @@ typedef struct {
     f32 params[4];   /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
                         distant: 1 - cos(half angle); mesh: flatness, 1 when all normals are alike, 0
                         when they cancel out; with an image, [3]: the coarsest mip that is looked up,
-                        of which its distribution is made */
+                        of which its distribution is made; guided dome, [0]: the bits of where in
+                        lightCdf its guide is: the camera [3], then where the distribution of
+                        each place is, or HDS_NONE [HDS_GUIDE_PLACES]; before each the share of
+                        light samples that follow it */
     f32 area;        /* world area of the shape; mesh: of all its triangles */
     u32 treePlace;   /* finite lights: 8 * node + slot of the light tree; dome: in lightCdf, the
                         number of its portals, or HDS_NONE */
@@ -78,12 +77,11 @@ typedef struct {
     u32 dataBase;    /* image: its texture; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* image: cells of its distribution, columns, rows; mesh: number of triangles,
                         and in lightCdf its HdsMeshMotion, or HDS_NONE: it rests */
-    u32 cdfBase;   /* in lightCdf: guide: the camera [3], then where the distribution of each place
-                      is, or HDS_NONE [HDS_GUIDE_PLACES]; image: marginal [height + 1], then
-                      conditionals [height][width + 1], of a dome then its texels (light/domeImage);
-                      mesh: by weight [numTriangles + 1] */
-    f32 strength;  /* luminance; finite: power / (4 pi); at infinity: irradiance */
-    f32 center[3]; /* of a sphere that bounds the emitting shape, world */
+    u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
+                        [height][width + 1], of a dome then its texels (light/domeImage); mesh: by
+                        weight [numTriangles + 1] */
+    f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
+    f32 center[3];   /* of a sphere that bounds the emitting shape, world */
     f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */
     u32 shapingBase; /* in lightCdf: an HdsLightShaping, or HDS_NONE */
     u32 controlBase; /* in lightCdf: an HdsLightControls, or HDS_NONE */

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Guides of domes: light through windows has less noise, the same mean, and the same bits however it is rendered."""
+"""Guides of domes, even or with an image: light through windows has less noise, the same mean, and the same bits however it is rendered."""
 
 import json
 
@@ -11,7 +11,7 @@ pytest.importorskip("hdstream._core")
 
 import hdstream
 import ours
-from stages import author, shapes
+from stages import author, imageFile, shapes
 
 WIDTH, HEIGHT = 40, 30
 _HOST = dict(camera="/World/Camera", imageWidth=WIDTH, imageHeight=HEIGHT, samples=4, maxDepth=3, noCache=True)
@@ -28,14 +28,23 @@ _WALLS = {  # size, place, turn
 }
 
 
-def _Room(path, sun=True, walls=tuple(_WALLS), gray=None, edit=None):
-    """A room with a window of 1 x 1 in its right wall, below an even sky."""
+def _Image(path):
+    """A sky that is blue above and brighter towards the window, with a small sun on the other side."""
+    y, x = np.mgrid[0:64, 0:128]
+    image = np.stack([0.4 + 0.6 * (y < 32), 0.5 + 0.5 * (y < 32), 0.6 + 1.4 * (y < 32)], -1) * (1 + np.cos(2 * np.pi * (x[..., None] - 32) / 128))
+    image[20:22, 94:96] = 600.0
+    imageFile.WriteExr(path, dict(zip("RGB", np.moveaxis(image.astype(np.float32), -1, 0))))
+    return str(path)
+
+
+def _Room(path, sun=True, walls=tuple(_WALLS), gray=None, edit=None, image=None):
+    """A room with a window of 1 x 1 in its right wall, below an even sky or that of an image."""
     stage = author.NewStage(str(path))
     for name in walls:
         size, place, turn = _WALLS[name]
         author.AddMesh(stage, f"/World/{name}", shapes.Plane(*size), color=(gray,) * 3 if gray else (0.7, 0.6, 0.5), doubleSided=True, translate=place, rotate=turn)
     author.AddMesh(stage, "/World/Box", shapes.Box(0.8, 0.8, 0.8), color=(0.4, 0.4, 0.6), translate=(0.5, 0.4, -0.5))
-    author.AddLight(stage, "/World/Sky", "Dome", intensity=2.0)
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=2.0, **({"textureFile": image} if image else {}))
     if sun:
         author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 80, 0)), intensity=20000.0, angle=0.5)
     author.AddCamera(stage, "/World/Camera", (-1.5, 1.5, 1.6), (1.0, 1.0, -1.0), focalLength=18.0)
@@ -55,9 +64,13 @@ def _Error(stage, reference, **settings):
     return np.mean([np.mean((picture - reference) ** 2) for picture in pictures])
 
 
-def test_a_window_is_found(tmp_path):
+@pytest.fixture(params=[False, True], ids=["even", "image"])
+def stage(request, tmp_path):
+    return _Room(tmp_path / "room.usda", sun=not request.param, image=_Image(tmp_path / "sky.exr") if request.param else None)
+
+
+def test_a_window_is_found(stage):
     """Pictures of hosts that edit have no guide: they are the brute force. The mean is theirs, the noise a part of it."""
-    stage = _Room(tmp_path / "room.usda")
     plain = [_Draw(stage, interactive=True, seed=seed, samples=256).rgb for seed in range(11, 15)]
     guided = [_Draw(stage, seed=seed, samples=256).rgb for seed in range(11, 15)]
     difference = np.mean(guided) - np.mean(plain)
@@ -73,8 +86,7 @@ def test_a_window_is_found(tmp_path):
     dict(residency="stream", geometryMemory="30%", chunkBytes=4096), dict(waveSize=700), dict(kernels="general"), dict(traversal="simd8"),
     dict(clampDirect=1e6),  # by the scalar form of shading
     dict(traversal="scalar", residency="resident")], ids=lambda settings: next(iter(settings.values())))
-def test_bits_do_not_depend_on_how_it_is_rendered(settings, tmp_path):
-    stage = _Room(tmp_path / "room.usda")
+def test_bits_do_not_depend_on_how_it_is_rendered(settings, stage):
     assert _Draw(stage, **settings).rgb.tobytes() == _Draw(stage, kernels="own", residency="resident").rgb.tobytes()
 
 

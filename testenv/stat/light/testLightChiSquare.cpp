@@ -330,36 +330,70 @@ TEST_F(LightChiSquareTest, Cylinder) {
     }
 }
 
-/// A guide that knows the place of the point, and half of its directions.
-TEST_F(LightChiSquareTest, GuidedDome) {
-    Warnings warnings;
-    LightTable table = BuildLightTable({MakeLight(LightType::Dome)}, {}, {}, warnings);
-    constexpr std::uint32_t kCells = HDS_GUIDE_ROWS * HDS_GUIDE_COLUMNS;
-    std::vector<std::uint32_t> cells(std::size_t{HDS_GUIDE_PLACES} * kCells);
-    for (std::uint32_t i = 0; i < cells.size(); ++i) {
-        cells[i] = i % kCells < kCells / 2 ? 100 * (i % 7) : 0;
+/// Domes with a guide that knows the place of the point, and half of its directions.
+class GuidedDomeTest : public LightChiSquareTest {
+protected:
+    void Guide(LightTable table) {
+        constexpr std::uint32_t kCells = HDS_GUIDE_ROWS * HDS_GUIDE_COLUMNS;
+        std::vector<std::uint32_t> cells(std::size_t{HDS_GUIDE_PLACES} * kCells);
+        for (std::uint32_t i = 0; i < cells.size(); ++i) {
+            cells[i] = i % kCells < kCells / 2 ? 100 * (i % 7) : 0;
+        }
+        shared::HdsLight& dome = table.lights[0];
+        const auto base = std::uint32_t(table.cdf.size());
+        dome.flags |= HDS_LIGHT_GUIDED;
+        dome.params[0] = shared::FloatOfBits(base);
+        const std::vector<float> guide =
+            BuildDomeGuide({1.0F, 2.0F, 3.0F}, cells, LightOfCells(dome, table.cdf), base);
+        table.cdf.insert(table.cdf.end(), guide.begin(), guide.end());
+        SetTable(table);
     }
-    table.lights[0].flags |= HDS_LIGHT_GUIDED;
-    table.lights[0].cdfBase = std::uint32_t(table.cdf.size());
-    const std::vector<float> guide =
-        BuildDomeGuide({1.0F, 2.0F, 3.0F}, cells, table.lights[0].cdfBase);
-    table.cdf.insert(table.cdf.end(), guide.begin(), guide.end());
-    SetTable(table);
-    LightDomain sphere;
-    sphere.toSquare = [](const glm::dvec3& d, const glm::dvec3&) {
-        return Square{std::clamp(std::atan2(d.y, d.x) / (2.0 * kPi) + 0.5, 0.0, 1.0 - 1e-9),
-                      std::clamp(0.5 * d.z + 0.5, 0.0, 1.0 - 1e-9)};
-    };
-    sphere.fromSquare = [](const Square& s) {
-        const double z = 2.0 * s[1] - 1.0;
-        const double r = std::sqrt(1.0 - z * z);
-        const double phi = 2.0 * kPi * (s[0] - 0.5);
-        return glm::dvec3(r * std::cos(phi), r * std::sin(phi), z);
-    };
-    sphere.solidAngleOfSquare = [](const Square&) { return 4.0 * kPi; };
-    Check("guide, in the air", {4.0, 2.5, 3.5}, glm::dvec3(0.0), sphere, 700);
-    Check("guide, on a surface", {0.0, 1.0, 9.0}, glm::normalize(glm::dvec3(1.0, 0.5, -2.0)),
-          sphere, 701);
+
+    void CheckSphere(const char* name, const glm::dvec3& point, const glm::dvec3& normal,
+                     unsigned seed) {
+        LightDomain sphere;
+        sphere.toSquare = [](const glm::dvec3& d, const glm::dvec3&) {
+            return Square{std::clamp(std::atan2(d.y, d.x) / (2.0 * kPi) + 0.5, 0.0, 1.0 - 1e-9),
+                          std::clamp(0.5 * d.z + 0.5, 0.0, 1.0 - 1e-9)};
+        };
+        sphere.fromSquare = [](const Square& s) {
+            const double z = 2.0 * s[1] - 1.0;
+            const double r = std::sqrt(1.0 - z * z);
+            const double phi = 2.0 * kPi * (s[0] - 0.5);
+            return glm::dvec3(r * std::cos(phi), r * std::sin(phi), z);
+        };
+        sphere.solidAngleOfSquare = [](const Square&) { return 4.0 * kPi; };
+        Check(name, point, normal, sphere, seed);
+    }
+};
+
+TEST_F(GuidedDomeTest, WithoutAnImage) {
+    Guide(SetLights({MakeLight(LightType::Dome)}));
+    CheckSphere("guide, in the air", {4.0, 2.5, 3.5}, glm::dvec3(0.0), 700);
+    CheckSphere("guide, on a surface", {0.0, 1.0, 9.0}, glm::normalize(glm::dvec3(1.0, 0.5, -2.0)),
+                701);
+}
+
+TEST_F(GuidedDomeTest, WithAnImageAlsoUnderAnAffineTransform) {
+    LightImage image;
+    image.width = 64;
+    image.height = 32;
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+            const double phi = 2.0 * kPi * (x + 0.5) / image.width;
+            const double polar = kPi * (y + 0.5) / image.height;
+            const double value = 2.0 + 0.8 * std::sin(polar) * std::sin(phi) + std::cos(polar);
+            image.rgb.insert(image.rgb.end(), 3, float(value));
+        }
+    }
+    PlacedLight light = MakeLight(LightType::Dome);
+    light.light.textureFile.authoredPath = "dome.exr";
+    unsigned seed = 702;
+    for (const glm::dvec3& scale : {glm::dvec3(1.0), glm::dvec3(1.0, 0.5, -2.0)}) {
+        light.worldFromLight = glm::scale(Rotation(), scale);
+        Guide(SetLights({light}, image));
+        CheckSphere("guided image", {4.0, 2.5, 3.5}, glm::dvec3(0.0), seed++);
+    }
 }
 
 TEST_F(LightChiSquareTest, Distant) {
@@ -435,30 +469,60 @@ TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
     }
 }
 
-TEST_F(LightChiSquareTest, MeshLight) {
-    // A parallelogram of two triangles; the density on a hit is light_meshPdf's formula, which
-    // testLight.cpp compares with the sample's.
-    EmissiveMesh mesh;
-    mesh.radiance = glm::dvec3(1.0);
-    const glm::dvec3 base(-1.0, -0.5, 3.0);
-    const glm::dvec3 e1(2.0, 0.2, 0.4);
-    const glm::dvec3 e2(0.3, 1.5, -0.2);
-    mesh.triangles.push_back({{base, base + e2, base + e1}, 0});
-    mesh.triangles.push_back({{base + e1, base + e2, base + e1 + e2}, 1});
-    Warnings warnings;
-    SetTable(BuildLightTable({}, {mesh}, {}, warnings));
-    const std::size_t count = kNumSamples;
-    std::vector<float> points(count * 3, 0.0F);
-    std::vector<float> normals(count * 3, 0.0F);
-    const auto results = Sample(points, normals, RandomSquares(count * 2, 720));
-    const glm::dmat3 toSquare = glm::inverse(glm::dmat3(e1, e2, glm::cross(e1, e2)));
-    std::vector<Square> samples;
-    for (const LightSampleResult& r : results) {
-        ASSERT_TRUE(r.isValid);
-        const glm::dvec3 s = toSquare * (r.direction * r.distance - base);
-        samples.push_back({s.x, s.y});
+/// A parallelogram of two triangles that `height` leaves that far above the point: far enough it is
+/// sampled by area, near by solid angle.
+class ParallelogramTest : public LightChiSquareTest {
+protected:
+    void CheckAt(double height, unsigned seed) {
+        EmissiveMesh mesh;
+        mesh.radiance = glm::dvec3(1.0);
+        const glm::dvec3 base(-1.0, -0.5, height);
+        const glm::dvec3 e1(2.0, 0.1, 0.4);
+        const glm::dvec3 e2(0.2, 1.5, -0.2);
+        mesh.triangles.push_back({{base, base + e2, base + e1}, 0});
+        mesh.triangles.push_back({{base + e1, base + e2, base + e1 + e2}, 1});
+        Warnings warnings;
+        SetTable(BuildLightTable({}, {mesh}, {}, warnings));
+        const std::size_t count = kNumSamples;
+        const std::vector<float> origins(count * 3, 0.0F);
+        const auto results = Sample(origins, origins, RandomSquares(count * 2, seed));
+        const glm::dmat3 toSquare = glm::inverse(glm::dmat3(e1, e2, glm::cross(e1, e2)));
+        std::vector<Square> samples;
+        for (const LightSampleResult& r : results) {
+            ASSERT_TRUE(r.isValid);
+            const glm::dvec3 s = toSquare * (r.direction * r.distance - base);
+            samples.push_back({s.x, s.y});
+        }
+        const glm::dvec3 normal = glm::cross(e1, e2); // as long as the area
+        std::vector<double> densities;
+        double sum = 0.0;
+        for (const Square& s : DensityPoints()) {
+            const glm::dvec3 p = base + s[0] * e1 + s[1] * e2;
+            const double distance = glm::length(p);
+            const double solidAngle =
+                std::abs(glm::dot(p, normal)) / (distance * distance * distance);
+            densities.push_back(solidAngle);
+            sum += solidAngle;
+        }
+        const double mean = sum / double(densities.size());
+        const bool isByArea = mean < 0.01;
+        for (double& density : densities) {
+            density = isByArea ? 1.0 : density / mean;
+        }
+        for (std::size_t i = 0; i < 100 && !isByArea; ++i) {
+            ASSERT_NEAR(results[i].pdf * mean, 1.0, 1e-3); // 1 over the solid angle of all
+        }
+        EXPECT_GT(*std::max_element(densities.begin(), densities.end()), isByArea ? 0.9 : 2.0);
+        ExpectChiSquare("mesh", samples, count, densities);
     }
-    ExpectChiSquare("mesh", samples, count, std::vector<double>(DensityPoints().size(), 1.0));
+};
+
+TEST_F(ParallelogramTest, FarIsSampledByArea) {
+    CheckAt(30.0, 720);
+}
+
+TEST_F(ParallelogramTest, NearIsSampledBySolidAngle) {
+    CheckAt(0.7, 721);
 }
 
 } // namespace
