@@ -4,7 +4,7 @@
 import pathlib
 from dataclasses import dataclass
 
-from stages import bench, grove, matter
+from stages import bench, grove, matter, rooms
 from stages.verify import CASES
 
 
@@ -25,6 +25,9 @@ _GENERATED = {
     "ink": (matter.WriteInk, matter.MAX_DEPTH),
     "jade": (matter.WriteJade, matter.MAX_DEPTH),
     "wax": (matter.WriteWax, matter.MAX_DEPTH),
+    "skyRoom": (rooms.WriteSkyRoom, rooms.MAX_DEPTH),
+    "sunRoom": (rooms.WriteSunRoom, rooms.MAX_DEPTH),
+    "panelRoom": (rooms.WritePanelRoom, rooms.MAX_DEPTH),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }
 REAL = {  # name -> file below the folder of real scenes, camera
