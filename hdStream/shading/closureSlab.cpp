@@ -202,15 +202,28 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
     return true;
 }
 
+/// Of two that differ in nothing but their shares.
+bool TryMergeEqual(const ClosureSlab& other, ClosureSlab* slab) {
+    const LayeredMaterial& a = slab->layered;
+    const LayeredMaterial& b = other.layered;
+    if (a.flags != b.flags || a.lobes != b.lobes || !AreSame(slab->factor, other.factor) ||
+        !std::equal(a.values.begin(), a.values.end(), b.values.begin(),
+                    [](const ShaderValue& x, const ShaderValue& y) { return AreSame(x, y); })) {
+        return false;
+    }
+    slab->share = Add(slab->share, other.share, 1);
+    return true;
+}
+
 /// Makes one of a slab and another, where one layered surface has both.
 bool TryMerge(const ClosureSlab& other, ClosureSlab* slab) {
     if (Has(other.layered, HDS_INPUT_HAIR) || Has(slab->layered, HDS_INPUT_HAIR)) {
-        return false;
+        return TryMergeEqual(other, slab);
     }
     return TryMergeDiffuse(other, slab) || TryMergeMetal(*slab, other, slab) ||
            TryMergeMetal(other, *slab, slab) || TryMergeGlass(*slab, other, slab) ||
            TryMergeGlass(other, *slab, slab) || TryMergeSubsurface(*slab, other, slab) ||
-           TryMergeSubsurface(other, *slab, slab);
+           TryMergeSubsurface(other, *slab, slab) || TryMergeEqual(other, slab);
 }
 
 ClosureSlabs Merge(ClosureSlabs slabs) {

@@ -3,6 +3,7 @@
 #include "hdStream/shading/closureTree.h"
 
 #include "hdStream/shading/closureSlab.h"
+#include "hdStream/shading/nodeWalk.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceFrame.h"
@@ -20,8 +21,6 @@ namespace {
 
 /// More surfaces side by side than this are not kept: programs would become long.
 constexpr std::size_t kMaxSlabs = 8;
-/// Longest chain of closures; longer ones are cycles.
-constexpr int kMaxDepth = 64;
 
 /// Reads the closures that a surface is made of.
 class ClosureReader {
@@ -222,6 +221,12 @@ public:
     }
 
 private:
+    void WarnOfUnknown(const MaterialNode* closure) {
+        if (closure != nullptr) {
+            _network.Warn("closure " + closure->identifier + " of " + closure->path +
+                          " is not supported and is left out");
+        }
+    }
     ClosureWarning WarningOf(const MaterialNode& node) {
         return [this, &node](const std::string& text) { _network.Warn(node.path + ": " + text); };
     }
@@ -323,7 +328,8 @@ private:
 
     NetworkEvaluator& _network;
     bool _isThin; ///< of a thin wall
-    int _depth = 0;
+    NodeWalk<ClosureSlabs> _bsdfs;
+    NodeWalk<ShaderValue> _edfs;
 };
 
 struct BsdfType {
@@ -378,43 +384,45 @@ const Type* FindType(const Type (&types)[kCount], const MaterialNode* node) {
     return found == std::end(types) ? nullptr : found;
 }
 
-ClosureSlabs ClosureReader::Bsdf(const MaterialNode& node, const std::string& input) {
-    const MaterialNode* source = _network.FindSource(node, input);
-    if (source == nullptr) {
-        return {};
-    }
-    const BsdfType* type = FindType(kBsdfs, source);
-    if (type == nullptr || _depth >= kMaxDepth) {
-        _network.Warn(type == nullptr ? "closure " + source->identifier + " of " + source->path +
-                                            " is not supported and is left out"
-                                      : "the closures of " + node.path + " form a cycle");
-        return {};
-    }
-    ++_depth;
-    ClosureSlabs slabs = (this->*type->read)(*source);
-    --_depth;
-    if (slabs.size() > kMaxSlabs) {
-        _network.Warn(source->path + ": only the first " + std::to_string(kMaxSlabs) + " of its " +
-                      std::to_string(slabs.size()) + " closures are drawn");
-        slabs.resize(kMaxSlabs);
+/// The first of a node's slabs.
+ClosureSlabs AtMost(std::size_t count, ClosureSlabs slabs, const MaterialNode& node,
+                    NetworkEvaluator& network) {
+    if (slabs.size() > count) {
+        network.Warn(node.path + ": only the first " + std::to_string(count) + " of its " +
+                     std::to_string(slabs.size()) + " closures are drawn");
+        slabs.resize(count);
     }
     return slabs;
+}
+
+ClosureSlabs ClosureReader::Bsdf(const MaterialNode& node, const std::string& input) {
+    const MaterialNode* source = _network.FindSource(node, input);
+    const BsdfType* type = FindType(kBsdfs, source);
+    if (source == nullptr || type == nullptr) {
+        WarnOfUnknown(source);
+        return {};
+    }
+    const auto slabs = _bsdfs.Visit(*source, [&] {
+        return AtMost(kMaxSlabs, (this->*type->read)(*source), *source, _network);
+    });
+    if (!slabs) {
+        _network.Warn(_bsdfs.EndText(node));
+    }
+    return slabs.value_or(ClosureSlabs());
 }
 
 ShaderValue ClosureReader::Edf(const MaterialNode& node, const std::string& input) {
     const MaterialNode* source = _network.FindSource(node, input);
     const EdfType* type = FindType(kEdfs, source);
-    if (source == nullptr || type == nullptr || _depth >= kMaxDepth) {
-        if (source != nullptr) {
-            _network.Warn("closure " + source->identifier + " of " + source->path +
-                          " is not supported and is left out");
-        }
+    if (source == nullptr || type == nullptr) {
+        WarnOfUnknown(source);
         return {};
     }
-    ++_depth;
-    ShaderValue value = (this->*type->read)(*source);
-    --_depth;
-    return value;
+    const auto value = _edfs.Visit(*source, [&] { return (this->*type->read)(*source); });
+    if (!value) {
+        _network.Warn(_edfs.EndText(node));
+    }
+    return value.value_or(ShaderValue());
 }
 
 ClosureSlabs ClosureReader::LayerMedium(const MaterialNode& node) {
@@ -424,8 +432,7 @@ ClosureSlabs ClosureReader::LayerMedium(const MaterialNode& node) {
         return slabs;
     }
     if (medium->identifier != kAbsorption && medium->identifier != kAnisotropic) {
-        _network.Warn("closure " + medium->identifier + " of " + medium->path +
-                      " is not supported and is left out");
+        WarnOfUnknown(medium);
         return slabs;
     }
     const ShaderValue absorption = _network.EvaluateOr(*medium, "absorption", {}, 3);
@@ -459,8 +466,6 @@ struct WholeSurface {
     std::uint32_t flags = 0;
 };
 
-WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, int depth);
-
 WholeSurface ReadClosures(NetworkEvaluator& network, const MaterialNode& node) {
     const ShaderValue isThin = network.EvaluateOr(node, "thin_walled", {}, 1);
     const bool isThinWall = IsConstant(isThin) && ConstantOf(isThin)[0] != 0.0F;
@@ -484,11 +489,15 @@ WholeSurface ReadModel(NetworkEvaluator& network, const MaterialNode& node) {
     return surface;
 }
 
-WholeSurface ReadMix(NetworkEvaluator& network, const MaterialNode& node, int depth) {
+using SurfaceWalk = NodeWalk<WholeSurface>;
+
+WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, SurfaceWalk& walk);
+
+WholeSurface ReadMix(NetworkEvaluator& network, const MaterialNode& node, SurfaceWalk& walk) {
     ClosureReader reader(network);
     const ShaderValue share = reader.Scalar(node, "mix", 0.0F);
-    WholeSurface back = ReadSurface(network, network.FindSource(node, "bg"), depth + 1);
-    WholeSurface front = ReadSurface(network, network.FindSource(node, "fg"), depth + 1);
+    WholeSurface back = ReadSurface(network, network.FindSource(node, "bg"), walk);
+    WholeSurface front = ReadSurface(network, network.FindSource(node, "fg"), walk);
     WholeSurface both;
     both.flags = back.flags | front.flags;
     both.opacity = Mix(back.opacity, front.opacity, share, 1);
@@ -502,28 +511,35 @@ WholeSurface ReadMix(NetworkEvaluator& network, const MaterialNode& node, int de
         both.emission = Mix(ClosureReader::OrBlack(back.emission),
                             ClosureReader::OrBlack(front.emission), part, 3);
     }
-    both.slabs = MixSlabs(std::move(back.slabs), std::move(front.slabs), part);
+    both.slabs = AtMost(kMaxSlabs, MixSlabs(std::move(back.slabs), std::move(front.slabs), part),
+                        node, network);
     return both;
 }
 
-WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, int depth) {
+WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, SurfaceWalk& walk) {
     WholeSurface nothing;
     nothing.opacity = MakeScalar(1.0F);
     if (node == nullptr) {
         return nothing;
     }
-    if (depth < kMaxDepth && node->identifier == kMixSurface) {
-        return ReadMix(network, *node, depth);
+    const auto surface = walk.Visit(*node, [&] {
+        if (node->identifier == kMixSurface) {
+            return ReadMix(network, *node, walk);
+        }
+        if (node->identifier == kSurface) {
+            return ReadClosures(network, *node);
+        }
+        if (IsLayered(node->identifier)) {
+            return ReadModel(network, *node);
+        }
+        network.Warn("surface shader " + node->identifier + " of " + node->path +
+                     " cannot be mixed; black is used");
+        return nothing;
+    });
+    if (!surface) {
+        network.Warn(walk.EndText(*node));
     }
-    if (node->identifier == kSurface) {
-        return ReadClosures(network, *node);
-    }
-    if (depth < kMaxDepth && IsLayered(node->identifier)) {
-        return ReadModel(network, *node);
-    }
-    network.Warn("surface shader " + node->identifier + " of " + node->path +
-                 " cannot be mixed; black is used");
-    return nothing;
+    return surface.value_or(nothing);
 }
 
 } // namespace
@@ -533,7 +549,8 @@ bool IsClosureSurface(const std::string& identifier) {
 }
 
 LayeredMaterial EvaluateClosureSurface(NetworkEvaluator& network, const MaterialNode& node) {
-    WholeSurface surface = ReadSurface(network, &node, 0);
+    SurfaceWalk walk;
+    WholeSurface surface = ReadSurface(network, &node, walk);
     LayeredMaterial layered = ChooseSlab(std::move(surface.slabs));
     layered.flags |= surface.flags;
     layered.values[HDS_INPUT_OPACITY] = surface.opacity;

@@ -4,18 +4,18 @@
 // cmlib 1.39. The table of what there is: docs/materials.md.
 #include "hdStream/shading/matrixNodes.h"
 
+#include "hdStream/shading/nodeWalk.h"
 #include "hdStream/shading/patternNode.h"
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 
 namespace hds {
 
 namespace {
-
-constexpr int kMaxDepth = 32; ///< longest chain of nodes of matrices; longer ones are cycles
 
 using Entries = std::array<std::array<ShaderValue, 4>, 4>; ///< by row and column
 
@@ -158,10 +158,12 @@ public:
 
     /// \param diagonal of the matrix that it is by default
     Matrix MatrixInput(const MaterialNode& node, const std::string& input, std::uint32_t size,
-                       int depth, float diagonal = 1.0F) {
+                       float diagonal = 1.0F) {
         const MaterialNode* source = _network.FindSource(node, input);
-        if (source != nullptr && depth < kMaxDepth) {
-            return MatrixFrom(*source, size, depth + 1);
+        const auto read = [&] { return MatrixFrom(*source, size); };
+        const auto connected = source == nullptr ? std::nullopt : _walks[size].Visit(*source, read);
+        if (connected) {
+            return *connected;
         }
         Matrix matrix = Diagonal(size, diagonal);
         const auto found = node.parameters.find(input);
@@ -172,18 +174,20 @@ public:
             for (std::uint32_t i = 0; i < size * size; ++i) {
                 matrix.at[i / size][i % size] = MakeScalar((*numbers)[i]);
             }
-        } else if (source != nullptr || numbers != nullptr) {
+        } else if (source != nullptr) {
+            _network.Warn(_walks[size].EndText(node));
+        } else if (numbers != nullptr) {
             _network.Warn("input " + input + " of " + node.path + " is no matrix of " +
                           std::to_string(size) + " rows");
         }
         return matrix;
     }
     /// The second input of arithmetic: a matrix, or a number in all places.
-    Matrix SecondInput(const MaterialNode& node, std::uint32_t size, int depth, float diagonal) {
+    Matrix SecondInput(const MaterialNode& node, std::uint32_t size, float diagonal) {
         const bool isNumber =
             node.identifier.compare(node.identifier.size() - 2, std::string::npos, "FA") == 0;
         if (!isNumber) {
-            return MatrixInput(node, "in2", size, depth, diagonal);
+            return MatrixInput(node, "in2", size, diagonal);
         }
         const ShaderValue number = _network.EvaluateOr(node, "in2", {}, 1);
         Matrix matrix = Identity(size);
@@ -198,68 +202,65 @@ public:
                          _network.EvaluateOr(node, "value2", {}, 1)},
                         1);
     }
-    Matrix If(const MaterialNode& node, const ShaderValue& condition, std::uint32_t size,
-              int depth) {
-        return Choice(condition, MatrixInput(node, "in1", size, depth, 0.0F),
-                      MatrixInput(node, "in2", size, depth, 0.0F));
+    Matrix If(const MaterialNode& node, const ShaderValue& condition, std::uint32_t size) {
+        return Choice(condition, MatrixInput(node, "in1", size, 0.0F),
+                      MatrixInput(node, "in2", size, 0.0F));
     }
-    Matrix SwitchOf(const MaterialNode& node, std::uint32_t size, int depth) {
+    Matrix SwitchOf(const MaterialNode& node, std::uint32_t size) {
         const ShaderValue which = _network.EvaluateOr(node, "which", {}, 1);
         Matrix result = Diagonal(size, 0.0F);
         for (int i = 10; i > 0; --i) {
             const ShaderValue isBelow =
                 MakeMath(HDS_MATH_GREATER, {MakeScalar(static_cast<float>(i)), which}, 1);
             const std::string input = "in" + std::to_string(i);
-            result = Choice(isBelow, MatrixInput(node, input, size, depth, 0.0F), result);
+            result = Choice(isBelow, MatrixInput(node, input, size, 0.0F), result);
         }
         return result;
     }
     /// What arithmetic and conditions make of matrices; nothing: the node is none of these.
     std::optional<Matrix> ComputedFrom(const MaterialNode& node, const std::string& category,
-                                       std::uint32_t size, int depth) {
+                                       std::uint32_t size) {
         if (category == "add" || category == "subtract") {
             return ByCode(category == "add" ? HDS_MATH_ADD : HDS_MATH_SUBTRACT,
-                          MatrixInput(node, "in1", size, depth),
-                          SecondInput(node, size, depth, 0.0F));
+                          MatrixInput(node, "in1", size), SecondInput(node, size, 0.0F));
         }
         if (category == "multiply") {
-            return ProductOf(MatrixInput(node, "in1", size, depth),
-                             MatrixInput(node, "in2", size, depth));
+            return ProductOf(MatrixInput(node, "in1", size), MatrixInput(node, "in2", size));
         }
         if (category == "divide") {
-            return ProductOf(MatrixInput(node, "in1", size, depth),
-                             InverseOf(MatrixInput(node, "in2", size, depth)));
+            return ProductOf(MatrixInput(node, "in1", size),
+                             InverseOf(MatrixInput(node, "in2", size)));
         }
         if (category == "ifgreater") {
-            return If(node, Condition(node, HDS_MATH_GREATER, 1.0F), size, depth);
+            return If(node, Condition(node, HDS_MATH_GREATER, 1.0F), size);
         }
         if (category == "ifgreatereq") {
-            return If(node, Condition(node, HDS_MATH_GREATER_OR_EQUAL, 1.0F), size, depth);
+            return If(node, Condition(node, HDS_MATH_GREATER_OR_EQUAL, 1.0F), size);
         }
         if (category == "ifequal") {
-            return If(node, Condition(node, HDS_MATH_EQUAL, 0.0F), size, depth);
+            return If(node, Condition(node, HDS_MATH_EQUAL, 0.0F), size);
         }
         return std::nullopt;
     }
-    Matrix MatrixFrom(const MaterialNode& node, std::uint32_t size, int depth) {
+    Matrix MatrixFrom(const MaterialNode& node, std::uint32_t size) {
         const NodeId id = ParseId(node.identifier);
         if (id.category == "constant") {
-            return MatrixInput(node, "value", size, depth);
+            return MatrixInput(node, "value", size);
         }
         if (id.category == "dot") {
-            return MatrixInput(node, "in", size, depth);
+            return MatrixInput(node, "in", size);
         }
         if (id.category == "switch") {
-            return SwitchOf(node, size, depth);
+            return SwitchOf(node, size);
         }
-        if (const auto computed = ComputedFrom(node, id.category, size, depth)) {
+        if (const auto computed = ComputedFrom(node, id.category, size)) {
             return *computed;
         }
         if (id.category == "transpose") {
-            return TransposeOf(MatrixInput(node, "in", size, depth));
+            return TransposeOf(MatrixInput(node, "in", size));
         }
         if (id.category == "invertmatrix") {
-            return InverseOf(MatrixInput(node, "in", size, depth));
+            return InverseOf(MatrixInput(node, "in", size));
         }
         Matrix matrix = Identity(size);
         if (id.category != "creatematrix") {
@@ -283,7 +284,7 @@ public:
         return _node.identifier.find("matrix33") != std::string::npos ? 3 : 4;
     }
 
-    ShaderValue Determinant() { return DeterminantOf(MatrixInput(_node, "in", SizeInId(), 0)); }
+    ShaderValue Determinant() { return DeterminantOf(MatrixInput(_node, "in", SizeInId())); }
     /// vector2M3 and vector3M4 are points, whose last component is 1.
     ShaderValue Transform() {
         const char last = _node.identifier.back();
@@ -294,7 +295,7 @@ public:
         for (std::uint32_t k = 0; k < 4; ++k) {
             vector[k] = k < _n ? ChannelOf(in, k) : MakeScalar(isPoint ? 1.0F : 0.0F);
         }
-        return Transformed(vector, MatrixInput(_node, "mat", size, 0), _n);
+        return Transformed(vector, MatrixInput(_node, "mat", size), _n);
     }
     ShaderValue Unshown() {
         _network.Warn("node " + _node.identifier + " of " + _node.path +
@@ -364,6 +365,9 @@ public:
         const ShaderValue in = ColorInput();
         return WithAlpha(ByMatrix(Gamma(in, 2.19921875F), kAdobeRgb), in);
     }
+
+private:
+    std::map<std::uint32_t, NodeWalk<Matrix>> _walks; ///< by the size of the matrices
 };
 
 template <int kThousandths, const std::array<float, 9>* kMatrix = nullptr>
@@ -393,7 +397,7 @@ ShaderValue ExtractRow(NetworkEvaluator& network, const MaterialNode& node, std:
     const std::string output;
     MatrixNode reader(network, node, output);
     const std::uint32_t size = reader.SizeInId();
-    const Matrix matrix = reader.MatrixInput(node, "in", size, 0, 0.0F);
+    const Matrix matrix = reader.MatrixInput(node, "in", size, 0.0F);
     const std::array<ShaderValue, 4>& row = matrix.at[std::min(index, size - 1)];
     return CombineChannels(row[0], row[1], row[2], row[3], size);
 }

@@ -12,6 +12,9 @@ namespace hds {
 
 namespace {
 
+/// Nodes in a row. Expressions are as deep, and walked by recursion.
+constexpr std::size_t kMaxDepth = 1024;
+
 /// Numbers of a parameter, or none for text and files.
 std::vector<float> Numbers(const ParameterValue& parameter) {
     if (const auto* vector = std::get_if<std::vector<float>>(&parameter)) {
@@ -80,6 +83,11 @@ ShaderValue NetworkEvaluator::Evaluate(const MaterialNode& node, const std::stri
     if (upstream == nullptr) {
         Warn("input " + input + " of " + node.path + " is connected to " + connection.upstreamPath +
              ", which does not exist");
+        return Parameter(node, input);
+    }
+    if (_visiting.size() >= kMaxDepth) {
+        Warn("the connections of " + node.path + " lie behind more than " +
+             std::to_string(kMaxDepth) + " nodes in a row, and are left out");
         return Parameter(node, input);
     }
     const auto key = std::make_pair(upstream->path, connection.upstreamOutput);

@@ -228,3 +228,26 @@ def test_definitions_that_call_themselves_or_have_no_graph_stay_unknown_nodes(go
     assert good in _OWN
     session = _Translate(tmp_path, _OWN.replace(good, bad))
     assert "ND_halved_color3" in str(_Tree(session)) and not _core.IsKnownShader("ND_halved_color3")
+
+
+def _Doubling(levels):
+    """A colour by a definition whose graph has two of the definition below, and so on: 2^levels nodes."""
+    graphs = ['<nodedef name="ND_l0" node="l0"><output name="out" type="color3"/></nodedef> <nodegraph name="NG_l0" nodedef="ND_l0">'
+              '<constant name="m" type="color3"/><output name="out" type="color3" nodename="m"/></nodegraph>']
+    for i in range(1, levels + 1):
+        graphs.append(f'<nodedef name="ND_l{i}" node="l{i}"><output name="out" type="color3"/></nodedef>'
+                      f'<nodegraph name="NG_l{i}" nodedef="ND_l{i}"><l{i - 1} name="a" type="color3"/><l{i - 1} name="b" type="color3"/>'
+                      '<add name="m" type="color3"><input name="in1" type="color3" nodename="a"/>'
+                      '<input name="in2" type="color3" nodename="b"/></add><output name="out" type="color3" nodename="m"/></nodegraph>')
+    color = f'<l{levels} name="top" type="color3"/>'
+    text = _FILE.replace('nodegraph="NG" output="color"', 'nodename="top"')
+    return text.replace('<standard_surface', "".join(graphs) + color + "<standard_surface", 1)
+
+
+def test_definitions_that_multiply_without_end_are_named(tmp_path):
+    pytest.importorskip("MaterialX")
+    session = _Translate(tmp_path, _Doubling(6))
+    assert len(session.Scene().materials["/Looks/Wood"].nodes) == 1 + 2 ** 7 - 1  # the surface, and each graph's own
+    assert list(session.Warnings()) == []
+    warnings = list(_Translate(tmp_path, _Doubling(40)).Warnings())
+    assert any("looks.mtlx" in warning and "Wood: more than 4096 nodes" in warning for warning in warnings), warnings

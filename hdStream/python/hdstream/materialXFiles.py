@@ -26,6 +26,7 @@ _FALLBACK_SPACES = ("lin_rec709", "lin_rec709_scene")  # USD's, which goes witho
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
 # Streams of geometry that inputs of definitions take where nothing is connected.
 _GEOMETRY = ("texcoord", "position", "normal", "tangent", "bitangent", "viewdirection")
+_MOST_SHADERS = 1 << 12  # of a material: definitions of definitions may multiply without end
 _layers = {}  # path -> layer as read last; an anonymous layer lives as long as someone holds it
 
 
@@ -132,6 +133,8 @@ class _Material:
         path = self._ShaderPath(node, call)
         if path in self._shaders:
             return self._shaders[path]
+        if len(self._shaders) == _MOST_SHADERS:
+            raise ValueError(f"{self._node.getName()}: more than {_MOST_SHADERS} nodes, with those of its definitions")
         shader = self._shaders[path] = UsdShade.Shader.Define(self._stage, path)
         definition = node.getNodeDef()
         shader.SetShaderId(definition.getName() if definition else f"ND_{node.getCategory()}_{node.getType()}")
