@@ -26,7 +26,9 @@ void HdStreamFixLight(HdStreamExporter exporter, hds::LightDescription* light);
 
 /// Principled's coat does not darken what it covers, and OpenPBR's does unless a node says
 /// otherwise, which the exporter does not. The colour of glass is Principled's of the whole way in
-/// and out, and is handed over as OpenPBR's, which dims at each surface: it becomes its root. An
+/// and out, and is handed over as OpenPBR's, which dims at each surface: it becomes its root. A
+/// Transparent BSDF is handed over twice, as opacity of the surface and as a white diffuse BSDF in
+/// its place: the latter is taken out. An
 /// image that is in Blender's memory is written to a file of the output's format and named as of
 /// the image's own colour space; where the format is linear (EXR, Radiance), Blender has decoded it
 /// already.

@@ -9,7 +9,7 @@ import itertools
 
 import bpy
 
-from . import passes, plugin, settings
+from . import leftOut, passes, plugin, settings
 
 _STEP_SECONDS = 0.2  # of a final render, after which it can be cancelled
 _names = itertools.count()
@@ -44,6 +44,8 @@ class StreamRenderEngine(bpy.types.HydraRenderEngine):
         super().update(data, depsgraph)
         if not self.engine_ptr:
             self._Tell("ERROR", "Stream: Blender could not make the renderer; its terminal says why")
+        elif not self.is_preview:
+            self._TellOnce([("WARNING", line) for line in leftOut.Lines(depsgraph)])
 
     def render(self, depsgraph):
         if not getattr(self, "engine_ptr", None):
@@ -116,12 +118,15 @@ class StreamRenderEngine(bpy.types.HydraRenderEngine):
 
     def _Report(self, status):
         """What went wrong, each line once for an engine."""
-        told = self.__dict__.setdefault("_told", set())
         if status is None:
             return
         lines = [("WARNING", line) for line in status["warnings"]]
         if status["error"]:
             lines.append(("ERROR", f"Stream: {status['error']}"))
+        self._TellOnce(lines)
+
+    def _TellOnce(self, lines):
+        told = self.__dict__.setdefault("_told", set())
         for kind, line in lines:
             if line not in told:
                 told.add(line)

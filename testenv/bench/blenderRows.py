@@ -150,6 +150,13 @@ def _Alone(*kinds):
     return Edit
 
 
+def _HalfTransparent(tree, node):
+    mix, clear = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfTransparent")
+    for i, shader in enumerate((node, clear)):
+        tree.links.new(shader.outputs[0], mix.inputs[i + 1])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
 def _AddNode(kind, output="Color"):
     def Edit(tree, node):
         tree.links.new(tree.nodes.new(f"ShaderNode{kind}").outputs[output], node.inputs["Base Color"])
@@ -301,6 +308,7 @@ ROWS = {
     "glossy": _Material({}, _Alone("BsdfGlossy")),
     "emitter": _Material({}, _Alone("Emission")),
     "mix": _Material({}, _Alone("BsdfDiffuse", "BsdfGlossy")),
+    "half transparent": _Material({"Base Color": _RED}, _HalfTransparent),
     "noise": _Material({}, _AddNode("TexNoise")),
     "checker": _Material({}, _AddNode("TexChecker")),
     "voronoi": _Material({}, _AddNode("TexVoronoi")),

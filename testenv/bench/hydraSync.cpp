@@ -19,6 +19,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <thread>
 
 using namespace hydraHost;
@@ -96,6 +97,7 @@ double CpuNow() {
     return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
+/// An edit that is not shown counts as one that takes for ever. \return infinity when most are not.
 double Median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
     return values[values.size() / 2];
@@ -204,7 +206,7 @@ struct Latency {
 };
 
 /// From an edit of a converged image to the first frame whose buffer shows it, as an application
-/// that redraws as fast as it can sees it. \return NaN when the renderer never shows such edits.
+/// that redraws as fast as it can sees it. \return infinity when the renderer does not show it.
 Latency TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
     host.RenderUntilConverged();
     const Image before = host.Read();
@@ -221,7 +223,8 @@ Latency TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
             return {(Now() - start) * 1e3, (CpuNow() - cpuStart) * 1e3};
         }
     }
-    return {std::nan(""), std::nan("")};
+    constexpr double kForEver = std::numeric_limits<double>::infinity();
+    return {kForEver, kForEver};
 }
 
 void MeasureEdits(const SceneData& scene, const Options& options, Samples* samples) {
@@ -240,7 +243,7 @@ void MeasureEdits(const SceneData& scene, const Options& options, Samples* sampl
                     TimeEdit(host, [&, &apply = edit](Host& edited) { apply(edited, repeat); });
                 (*samples)[figure][renderer].push_back(latency.wall);
                 (*samples)[figure + ", CPU"][renderer].push_back(latency.cpu);
-                if (std::isnan(latency.wall)) {
+                if (std::isinf(latency.wall) && repeat == 0) {
                     break; // it never shows such edits
                 }
             }
@@ -263,11 +266,12 @@ void Print(const Samples& samples, const Options& options) {
         std::printf("| %s |", figure.c_str());
         for (const TfToken& renderer : options.renderers) {
             const double median = Median(byRenderer.at(renderer));
-            std::isnan(median) ? std::printf(" not shown |") : std::printf(" %.1f |", median);
+            std::isinf(median) ? std::printf(" not shown |") : std::printf(" %.1f |", median);
         }
         const double reference = Median(byRenderer.at(options.renderers.back()));
         const double ratio = Median(byRenderer.at(options.renderers.front())) / reference;
-        std::isnan(ratio) ? std::printf(" |\n") : std::printf(" %.2f |\n", ratio);
+        std::isinf(reference) || std::isinf(ratio) ? std::printf(" |\n")
+                                                   : std::printf(" %.2f |\n", ratio);
     }
 }
 

@@ -297,6 +297,42 @@ def Settings():
             "noise": float(np.abs(same - many).mean() / many.mean())}
 
 
+def LeftOut():
+    """What is said of a scene with things that do not come, and of one without."""
+    scene = Scene(samples=1)
+    with Watched() as plain:
+        Render(scene)
+    balls = [item for item in scene.objects if item.type == "MESH" and item.location.z > 0]
+    for i in range(4):
+        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.5 * i, -2.0, 0.2))
+        tree = Look((0.5, 0.5, 0.5, 1.0)).id_data
+        bpy.context.object.data.materials[0].name = f"Rock {i}"
+        balls.append(bpy.context.object)
+        group = bpy.data.node_groups.new("Inside", "ShaderNodeTree")
+        group.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+        cells, end, outer = group.nodes.new("ShaderNodeTexVoronoi"), group.nodes.new("NodeGroupOutput"), tree.nodes.new("ShaderNodeGroup")
+        group.links.new(cells.outputs["Color"], end.inputs[0])
+        outer.node_tree = group
+        link = tree.links.new(outer.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        link.is_muted = i == 3  # nothing comes of a link that is off
+        tree.nodes.new("ShaderNodeTexBrick")  # nor of a node that nothing is made of
+    balls[0].visible_camera, balls[1].is_holdout = False, True
+    material = balls[1].data.materials[0]
+    volume, blend = (material.node_tree.nodes.new(f"ShaderNode{name}") for name in ("VolumeAbsorption", "Mix"))
+    blend.data_type, blend.blend_type = "RGBA", "MULTIPLY"
+    material.node_tree.links.new(volume.outputs[0], material.node_tree.nodes["Material Output"].inputs["Volume"])
+    material.node_tree.links.new(blend.outputs[2], material.node_tree.nodes["Principled BSDF"].inputs["Emission Color"])
+    scene.render.use_motion_blur, scene.camera.data.type = True, "PANO"
+    sky = scene.world.node_tree.nodes.new("ShaderNodeTexSky")
+    scene.world.node_tree.links.new(sky.outputs[0], scene.world.node_tree.nodes["Background"].inputs["Color"])
+    light = next(item for item in scene.objects if item.type == "LIGHT").data
+    light.use_nodes, light.spread = True, 1.0
+    light.node_tree.nodes["Emission"].inputs["Strength"].default_value = 2.0
+    with Watched() as watch:
+        Render(scene)
+    return {"plain": plain.reports, "reports": watch.reports}
+
+
 def ResidentBytes():
     """Memory of this process, and no children's."""
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -333,7 +369,7 @@ def Panels():
 
 def main():
     scenarios = {function.__name__: function for function in
-                 (Passes, Framing, Film, Lamp, Status, Cancel, Messages, Settings, Life, Panels)}
+                 (Passes, Framing, Film, Lamp, Status, Cancel, Messages, LeftOut, Settings, Life, Panels)}
     extension.register()
     for name in sys.argv[3:] or scenarios:
         found = scenarios[name]()

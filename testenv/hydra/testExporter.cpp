@@ -172,6 +172,66 @@ TEST_F(Exporter, ASlabOfGlassDimsAsPrincipledDoes) {
     }
 }
 
+/// A floor with Blender's mix, by a half, of a diffuse BSDF that also emits and a Transparent BSDF:
+/// what its exporter writes of it. \param isSwapped whether the transparent one comes first.
+SceneData WithTransparentMix(float albedo, float emission, bool isSwapped) {
+    SceneData scene = EmptyScene();
+    HdMaterialNetworkMap map;
+    HdMaterialNetwork& network = map.map[HdMaterialTerminalTokens->surface];
+    const auto add = [&](const char* path, const char* identifier,
+                         const std::map<TfToken, VtValue>& parameters) {
+        HdMaterialNode node;
+        node.path = SdfPath(path);
+        node.identifier = TfToken(identifier);
+        node.parameters = parameters;
+        network.nodes.push_back(node);
+    };
+    const auto connect = [&](const char* from, const char* to, const char* input) {
+        network.relationships.push_back(
+            {SdfPath(from), TfToken("out"), SdfPath(to), TfToken(input)});
+    };
+    add("/Transparent_BSDF", "ND_oren_nayar_diffuse_bsdf",
+        {{TfToken("color"), VtValue(GfVec3f(1.0F))}});
+    add("/Diffuse_BSDF", "ND_oren_nayar_diffuse_bsdf",
+        {{TfToken("color"), VtValue(GfVec3f(albedo))}, {TfToken("roughness"), VtValue(0.0F)}});
+    add("/Glow_EDF", "ND_uniform_edf", {{TfToken("color"), VtValue(GfVec3f(emission))}});
+    add("/Mix_BSDF", "ND_mix_bsdf", {{TfToken("mix"), VtValue(0.5F)}});
+    add("/Mix_EDF", "ND_multiply_edfF", {{TfToken("in2"), VtValue(0.5F)}});
+    add("/Surface", "ND_surface", {{TfToken("opacity"), VtValue(0.5F)}});
+    connect("/Transparent_BSDF", "/Mix_BSDF", isSwapped ? "bg" : "fg");
+    connect("/Diffuse_BSDF", "/Mix_BSDF", isSwapped ? "fg" : "bg");
+    connect("/Glow_EDF", "/Mix_EDF", "in1");
+    connect("/Mix_BSDF", "/Surface", "bsdf");
+    connect("/Mix_EDF", "/Surface", "edf");
+    map.terminals.push_back(SdfPath("/Surface"));
+    scene.materials[SdfPath("/look")] = map;
+    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
+    scene.gprims[SdfPath("/floor")].material = SdfPath("/look");
+    return scene;
+}
+
+/// Below a white sky half of the floor's albedo and emission is seen, and half of the sky.
+TEST_F(Exporter, MixesWithATransparentSideLetItsShareThrough) {
+    for (const bool isSwapped : {false, true}) {
+        SceneData scene = WithTransparentMix(0.6F, 0.3F, isSwapped);
+        scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
+        HostOptions options = Quick({HdAovTokens->color}, 64);
+        for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
+            options.settings[TfToken("hostExporter")] = VtValue(exporter);
+            Host host(scene, options);
+            host.RenderUntilConverged();
+            const Image image = host.Read();
+            double mean = 0.0;
+            for (int i = 0; i < image.width * image.height; ++i) {
+                mean += image.Float(i % image.width, i / image.width, 0);
+            }
+            mean /= image.width * image.height;
+            const double once = exporter.empty() ? 0.5 * 0.6 + 0.5 + 0.5 * 0.3 : 0.6 + 0.3;
+            EXPECT_NEAR(mean, 0.5 * once + 0.5, 5e-3) << exporter << isSwapped;
+        }
+    }
+}
+
 TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
     const auto decodes = [](const std::string& file, const char* space, const char* exporter) {
         const SceneData scene =

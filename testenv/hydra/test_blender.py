@@ -4,6 +4,7 @@ passes and framing. testenv/install/test_blenderExtension.py judges what needs n
 
 import json
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -116,6 +117,35 @@ def test_what_is_wrong_is_one_line_and_blender_lives_on(found, case, kind, words
     assert messages["reports"][0][0] == kind and words in messages["reports"][0][1], messages
     assert "\n" not in messages["reports"][0][1]
     assert messages["after"] == [] and messages["afterMean"] > 0.1
+
+
+def test_what_does_not_come_is_told_in_one_line_a_kind(found):
+    left = found("LeftOut")
+    assert left["plain"] == []
+    assert {kind for kind, _ in left["reports"]} == {"WARNING"}
+    lines = sorted(line.removeprefix("Stream: ") for _, line in left["reports"])
+    assert lines == [
+        "Blender does not hand over all nodes of materials: Voronoi Texture of Rock 0, Voronoi Texture of Rock 1, "
+        "Voronoi Texture of Rock 2",
+        "Blender does not hand over nodes of lights: Area",
+        "Blender does not hand over the spread of area lights: Area",
+        "Blender hands over all blends of colours as Mix: Rock 0",
+        "a panoramic camera is drawn as perspective: Camera",
+        "holdouts and shadow catchers are drawn as other objects: Cube",
+        "motion blur is not drawn: Blender hands over one moment",
+        "of a world Blender hands over a colour or an image alone: Sky Texture",
+        "the camera sees objects that it is not to see: Sphere",
+        "volumes of materials are not drawn: Rock 0"]
+
+
+def test_nodes_that_are_left_out_are_those_of_blenders_exporter(blenders, tmp_path):
+    """The exporter itself is the judge of the list."""
+    result = RunProgram([blenders.python, HERE / "blenderNodesScript.py", tmp_path], blenders.Environment())
+    assert result.code == 0, result.output[-4000:]
+    sys.path.insert(0, str(HERE.parents[1] / "packaging" / "blender"))
+    import leftOut
+
+    assert set(json.loads((tmp_path / "nodes.json").read_text())) == leftOut._NODES
 
 
 def test_settings_reach_the_plug_in(found):
