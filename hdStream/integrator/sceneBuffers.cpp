@@ -13,13 +13,31 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {
-    "top nodes",      "instances",       "instances by path", "objects",
-    "prims",          "prim materials",  "materials",         "lights by material entry",
-    "lights",         "light tree",      "light triangles",   "light distributions",
-    "programs",       "motion keys",     "volumes",           "grids",
-    "grid tiles",     "grid cells",      "terms of volumes",  "first instance slots",
-    "instance slots", "instance values", "catchers alone",    "media of meshes"};
+const char* const kLabels[] = {"top nodes",
+                               "instances",
+                               "instances by path",
+                               "objects",
+                               "prims",
+                               "prim materials",
+                               "materials",
+                               "lights by material entry",
+                               "lights",
+                               "light tree",
+                               "light triangles",
+                               "light distributions",
+                               "programs",
+                               "motion keys",
+                               "volumes",
+                               "grids",
+                               "grid tiles",
+                               "grid cells",
+                               "bounds of bricks",
+                               "terms of volumes",
+                               "first instance slots",
+                               "instance slots",
+                               "instance values",
+                               "catchers alone",
+                               "media of meshes"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -53,6 +71,19 @@ void SceneBuffers::Upload(Table table, const HugeVector<T>& values) {
     _tables[table] = Buffer::OfHostMemory(_device, kLabels[table], values.data(), bytes,
                                           HostMemoryCount::AsDeviceMemory);
     _isInPlace[table] = true;
+}
+
+/// Where all bricks are there nobody asks what they may hold.
+void SceneBuffers::UploadBrickBounds(const CommittedVolumes& volumes) {
+    std::vector<shared::HdsBrickBounds> all;
+    if (_textures.Pool() != nullptr) {
+        all.reserve(volumes.numBricks);
+        for (const auto& grid : volumes.prepared) {
+            const std::vector<shared::HdsBrickBounds>& own = grid->description.bounds;
+            all.insert(all.end(), own.begin(), own.end());
+        }
+    }
+    Upload(BrickBounds, all);
 }
 
 void SceneBuffers::Upload(Table table, const void* values, std::uint64_t bytes) {
@@ -168,6 +199,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(MeshMedia, scene.meshMedia);
     _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
     _textures.Update(scene, residency);
+    UploadBrickBounds(scene.volumes);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
     Upload(FirstInstanceSlots, scene.instancePrimvars.firstSlots);
@@ -296,6 +328,9 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first,
     if (features.volumes) {
         for (const Table table : {Volumes, Grids, GridTiles, GridCells}) {
             kernel->SetBuffer(first++, _tables[table]);
+        }
+        if (features.textureStreaming) {
+            kernel->SetBuffer(first++, _tables[BrickBounds]);
         }
         const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
         kernel->SetBytes(first++, &numSeen, sizeof(numSeen));

@@ -115,6 +115,7 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        BrickBounds,
         VolumeTerms,
         FirstInstanceSlots,
         InstanceSlots,
@@ -134,6 +135,7 @@ private:
     template <typename T>
     void Upload(Table table, const HugeVector<T>& values);
     void Upload(Table table, const void* values, std::uint64_t bytes);
+    void UploadBrickBounds(const CommittedVolumes& volumes);
 
     std::shared_ptr<Device> _device;
     std::unique_ptr<PagePool> _pool; ///< of geometry, from the first Update on

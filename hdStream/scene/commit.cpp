@@ -226,9 +226,7 @@ private:
         const CommittedVolumes& volumes = _result->volumes;
         counts.volumes = volumes.volumes.size();
         counts.grids = volumes.grids.size();
-        for (const auto& grid : volumes.prepared) {
-            counts.bricks += grid->description.numBricks;
-        }
+        counts.bricks = volumes.numBricks;
         counts.volumeTableBytes = volumes.volumes.size() * sizeof(shared::HdsVolume) +
                                   volumes.terms.size() * sizeof(shared::HdsVolumeTerms) +
                                   volumes.grids.size() * sizeof(shared::HdsGrid) +

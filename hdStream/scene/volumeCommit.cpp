@@ -335,6 +335,7 @@ private:
         record.firstTile = static_cast<std::uint32_t>(result.tiles.size());
         record.firstCell = static_cast<std::uint32_t>(result.cells.size());
         record.texture = texture;
+        record.firstBrick = texture == HDS_NONE ? 0 : _firstBricks[texture - _numTextures];
         result.grids.push_back(record);
         result.tiles.insert(result.tiles.end(), tiles.begin(), tiles.end());
         result.cells.insert(result.cells.end(), cells.begin(), cells.end());
@@ -357,6 +358,8 @@ private:
         const auto [found, isNew] = _textures.emplace(grid.get(), number);
         if (isNew) {
             result.prepared.push_back(grid);
+            _firstBricks.push_back(static_cast<std::uint32_t>(result.numBricks));
+            result.numBricks += grid->description.numBricks;
         }
         return _numTextures + found->second;
     }
@@ -368,6 +371,7 @@ private:
     std::map<std::pair<const PreparedGrid*, const PreparedGrid*>, std::uint32_t> _movingNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _velocityNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _textures; ///< among those of grids
+    std::vector<std::uint32_t> _firstBricks;                ///< of these
 };
 
 /// Finds the grids of one volume.

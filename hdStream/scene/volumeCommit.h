@@ -23,6 +23,7 @@ struct CommittedVolumes {
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
     PreparedGrids prepared;             ///< in the order of the textures whose lines they are
+    std::uint64_t numBricks = 0;        ///< of these
     std::vector<AffineRows> motionKeys; ///< of volumes whose transforms move
     bool haveMotion = false;            ///< velocities or transforms
     bool haveVelocities = false;

@@ -133,6 +133,10 @@ Json VolumeSection(const StatisticsInput& in) {
     const SceneTextures& textures = in.tracer->Buffers().Textures();
     const LineTraffic voxels = textures.Statistics().grids;
     Json section = VolumeCounts(in.scene->counts);
+    if (textures.Pool() != nullptr) { // bounds of bricks are there too
+        section["alwaysResidentBytes"] = in.scene->counts.volumeTableBytes +
+                                         in.scene->counts.bricks * sizeof(shared::HdsBrickBounds);
+    }
     section["budget"] = textures.VolumeBudgetBytes();
     section["peakBytes"] = textures.VolumePeakUsedBytes();
     section["linesLoaded"] = voxels.linesLoaded;

@@ -13,7 +13,7 @@ namespace hds {
 namespace {
 
 /// Changes with what is kept of a grid.
-constexpr std::uint64_t kCodeVersion = 2;
+constexpr std::uint64_t kCodeVersion = 3;
 /// Times that a file which is written to while it is read is read again.
 constexpr int kMaxTries = 3;
 

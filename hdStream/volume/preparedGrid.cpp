@@ -2,9 +2,11 @@
 #include "hdStream/volume/preparedGrid.h"
 
 #include "hdStream/persist/pageBytes.h"
+#include "hdStream/volume/brickBounds.h"
 #include "hdStream/volume/gridTiles.h"
 
 #include <glm/gtc/type_ptr.hpp>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstring>
@@ -139,6 +141,10 @@ BuiltGrid BuildGrid(const VoxelGrid& grid, const std::shared_ptr<PageStore>& sto
     description.cells = std::move(made.cells);
     const std::vector<std::uint32_t> bricks = NumberBricks(&description.cells);
     description.numBricks = static_cast<std::uint32_t>(bricks.size());
+    description.bounds.resize(bricks.size());
+    tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+        description.bounds[i] = BoundBrick(grid.bricks[bricks[i]]);
+    });
     description.id = key.words[0];
     built.lines = std::make_shared<LineStore>(store, key, LinesOf(description).record.numLines);
     static_assert(sizeof(VoxelBrick) == HDS_BRICK_LINES * sizeof(TextureLine));
@@ -177,6 +183,7 @@ void SaveGridDescription(PageStore* store, const PageKey& key, const GridDescrip
     page.Add(description.id);
     AddElements(&page, description.tiles);
     AddElements(&page, description.cells);
+    AddElements(&page, description.bounds);
     store->Save(DescriptionKey(key), page.Bytes().data(), page.Bytes().size());
 }
 
@@ -196,7 +203,9 @@ std::optional<GridDescription> LoadGridDescription(PageStore* store, const PageK
     description.id = page.Number();
     GetElements(&page, bytes.size(), &description.tiles);
     GetElements(&page, bytes.size(), &description.cells);
-    const bool isWhole = page.IsGood() && page.IsAtEnd();
+    GetElements(&page, bytes.size(), &description.bounds);
+    const bool isWhole =
+        page.IsGood() && page.IsAtEnd() && description.bounds.size() == description.numBricks;
     return isWhole ? std::optional(std::move(description)) : std::nullopt;
 }
 

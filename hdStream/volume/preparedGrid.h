@@ -20,6 +20,7 @@ struct GridDescription {
     glm::dmat4 objectFromIndex{1.0};
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
+    std::vector<shared::HdsBrickBounds> bounds; ///< of each brick
     std::uint32_t numBricks = 0;
     std::uint32_t numComponents = 1; ///< of the file's grid, which have a description each
     std::uint64_t id = 0;            ///< of its content

@@ -13,7 +13,7 @@
 #include "integrator/passThrough.clh"
 #endif
 #if HDS_FEATURE_VOLUMES
-#include "integrator/volumePath.clh"
+#include "integrator/volumeShadow.clh"
 #endif
 #if HDS_FEATURE_MEDIA_STACK
 #include "integrator/meshMedia.clh"
@@ -103,7 +103,8 @@ bool shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
     }
 #endif
 #if HDS_FEATURE_VOLUMES
-    passes = passes || (!shadow_needsLight(scene, paths, i) && volumePath_isAhead(scene, paths, i));
+    passes =
+        passes || (!shadow_needsLight(scene, paths, i) && volumeShadow_isAhead(scene, paths, i));
 #endif
     if (passes) {
         path_storeCandidate(paths, i, candidate);
@@ -227,7 +228,7 @@ bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
                       const HdsSurfaceHit* surface, float3 viewer, float t) {
 #if HDS_FEATURE_VOLUMES
-    const bool isDimmed = volumePath_dimShadow(scene, paths, i, t);
+    const bool isDimmed = volumeShadow_dim(scene, paths, i, t);
     texture_count(&scene->textures);
     if (!isDimmed) {
         return false;
@@ -248,7 +249,7 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 /* Ends a shadow ray that nothing but volumes is in the way of. */
 void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* readyQueue,
                         volatile global uint* counters) {
-    const bool isDone = volumePath_dimShadow(scene, paths, i, path_load_shadowOrigin(paths, i).w);
+    const bool isDone = volumeShadow_dim(scene, paths, i, path_load_shadowOrigin(paths, i).w);
     texture_count(&scene->textures);
     if (!isDone) {
         surfaceMaterial_waitForTexels(scene, i);

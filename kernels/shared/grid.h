@@ -11,6 +11,12 @@
 #define HDS_BRICK_VOXELS_LOG2 3
 /* Lines of a brick (HDS_LINE_BYTES): x is fastest, then y, then z; line z >> 1 has voxel z. */
 #define HDS_BRICK_LINES 4u
+/* Voxels along an edge of a block, whose bounds are known where its brick is not. */
+#define HDS_BLOCK_VOXELS 2
+#define HDS_BLOCK_VOXELS_LOG2 1
+#define HDS_BRICK_BLOCKS 4 /* along an edge of a brick */
+/* The greatest bound that half a byte can say. */
+#define HDS_BLOCK_CODES 15
 /* Cells along an edge of a tile. */
 #define HDS_TILE_CELLS 8
 #define HDS_TILE_VOXELS 64
@@ -25,6 +31,17 @@ typedef struct {
     float least;    /* of the same voxels, or any number from 0 up to that */
 } HdsGridCell;
 HDS_ASSERT_SIZE(HdsGridCell, 16);
+
+/* Bounds of the voxels of a brick, by blocks of HDS_BLOCK_VOXELS^3: nothing is outside of them.
+ * Half a byte n stands for least + step * n. */
+typedef struct {
+    float least;
+    float step;
+    u8 blocks[HDS_BRICK_BLOCKS * HDS_BRICK_BLOCKS *
+              HDS_BRICK_BLOCKS]; /* x fastest, then y: the least of the block in the lower half, the
+                                    greatest in the upper */
+} HdsBrickBounds;
+HDS_ASSERT_SIZE(HdsBrickBounds, 72);
 
 typedef struct {
     u32 firstCell; /* of its HDS_TILE_CELLS^3, x fastest, among those of the grid; HDS_NONE: every
@@ -42,7 +59,8 @@ typedef struct {
     u32 firstCell;  /* among those of the scene */
     u32 texture;    /* whose lines the bricks are */
     float greatest; /* of all voxels */
-    u32 reserved[2];
+    u32 firstBrick; /* among those of the scene */
+    u32 reserved;
 } HdsGrid;
 HDS_ASSERT_SIZE(HdsGrid, 48);
 HDS_SHARED_END

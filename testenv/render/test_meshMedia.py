@@ -204,18 +204,23 @@ def test_single_scattering_of_the_sun(tmp_path):
 
 
 def test_single_scattering_of_a_lamp_around_the_camera(tmp_path):
-    """The camera and a small lamp are both in the fog: by quadrature along the view."""
-    sigma, albedo, at = 0.8, 1e-3, np.array((0.5, 0.0, -1.0))
-    lamp = ("Sphere", dict(radius=0.01, intensity=1000.0, placement=dict(translate=tuple(at))))
+    """The camera and a small lamp are both in the fog: by quadrature along the view and over the lamp. With so small an albedo what
+    scatters twice is 1e-5 of it."""
+    sigma, albedo, radius, at = 0.8, 1e-5, 0.01, np.array((0.5, 0.0, -1.0))
+    lamp = ("Sphere", dict(radius=radius, intensity=1000.0, placement=dict(translate=tuple(at))))
     medium = dict(absorption=sigma * (1 - albedo), scattering=sigma * albedo)
     body = (shapes.Box(6, 6, 6), medium, {})
     path = _Stage(tmp_path / "s.usda", [body], lights=(lamp,), eye=(0, 0, 1), width=0.02)
     t = (np.arange(200000) + 0.5) / 200000 * 4.0  # from z = 1 to the wall at z = -3
     distance = np.linalg.norm(np.stack([0 * t, 0 * t, 1 - t], -1) - at, axis=-1)
-    intensity = 1000.0 * np.pi * 0.01**2
-    expected = np.mean(sigma * albedo / (4 * np.pi) * intensity / distance**2 * np.exp(-sigma * (t + distance))) * 4.0
-    fog = _Mean(path, 16384)
-    assert fog == pytest.approx(np.full(3, expected), rel=0.01)
+    light = np.zeros_like(t)  # from the solid angle of the lamp, whose near side the light comes from
+    for u in (np.arange(16) + 0.5) / 16:
+        cosine = 1 - u * (1 - np.sqrt(1 - (radius / distance) ** 2))
+        toSurface = distance * cosine - np.sqrt(radius**2 - distance**2 * (1 - cosine**2))
+        light += 1000.0 * 2 * np.pi * (1 - np.sqrt(1 - (radius / distance) ** 2)) * np.exp(-sigma * toSurface) / 16
+    expected = np.mean(sigma * albedo / (4 * np.pi) * light * np.exp(-sigma * t)) * 4.0
+    fog = _Mean(path, 4096)
+    assert fog == pytest.approx(np.full(3, expected), rel=1e-3)
 
 
 @pytest.mark.parametrize("orthographic", [True, False], ids=["orthographic", "perspective"])

@@ -99,7 +99,7 @@ def test_light_from_water_into_glass_refracts_by_snells_law(tmp_path, by):
     _View(stage, degrees, 4.0, width)
     expected = (1 - _Fresnel(np.cos(np.radians(degrees)), _GLASS / _WATER)) / 3
     seen = _Mean(stage, 16384)
-    assert seen == pytest.approx(expected, rel=2e-3)
+    assert seen == pytest.approx(expected, rel=1e-3)
     # A hundredth of an index is more than that.
     other = np.arcsin(np.sin(np.radians(degrees)) * _WATER / (_GLASS + 0.01))
     assert abs(depth * (np.tan(other) - np.tan(inside)) * np.cos(np.radians(degrees)) / width) > 0.01

@@ -31,11 +31,14 @@ def test_what_absorbs_nothing_is_invisible_in_a_furnace(tmp_path, density, scatt
     assert np.all(np.abs(_Mean(layers["color"]) - 1) < np.maximum(4 * deviation, 5e-4))
 
 
-def test_absorption_is_beers(tmp_path):
-    absorption = np.array((1.0, 2.0, 0.5))
+@pytest.mark.parametrize("absorption, samples, tolerance", [
+    ((1.0, 2.0, 0.5), 1024, dict(rel=0.01, abs=1e-3)),  # events are chances: those of thin slabs say more for the same samples
+    ((0.2, 0.1, 0.05), 8192, dict(rel=1e-3)), ((0.2, 0.2, 0.2), 8192, dict(rel=1e-3))], ids=["deep", "thin", "grey"])
+def test_absorption_is_beers(tmp_path, absorption, samples, tolerance):
+    absorption = np.array(absorption)
     volume = volumeCase.Volume(volumeCase.Grid(_UNIT), absorption=absorption, scale=2.0)
-    layers, *_ = volumeCase.Render(volumeCase.Stage(tmp_path / "s.usda", width=1.0), {"/V": volume}, size=32, samples=1024)
-    assert _Mean(layers["color"]) == pytest.approx(np.exp(-2 * absorption), rel=0.01, abs=1e-3)
+    layers, *_ = volumeCase.Render(volumeCase.Stage(tmp_path / "s.usda", width=1.0), {"/V": volume}, size=32, samples=samples)
+    assert _Mean(layers["color"]) == pytest.approx(np.exp(-2 * absorption), **tolerance)
     assert layers["color"][..., 3].mean() > 0.99  # the dome behind it
 
 
@@ -170,6 +173,31 @@ def test_bits_are_the_same(resident, settings):
     assert np.array_equal(layers["color"], expected)
     if settings.get("residency") != "resident":
         assert statistics["texture"]["uniqueBytesLoaded"] > 0
+
+
+def _Waves(size=40) -> np.ndarray:
+    """A density that changes little from voxel to voxel, with holes and an edge: blocks bound it well."""
+    x, y, z = np.meshgrid(*[np.arange(size) / size * 2 * np.pi] * 3, indexing="ij")
+    return np.maximum(1.2 + np.sin(2 * x + y) + np.cos(3 * z - x), 0.0)
+
+
+def _Grey(scattering=12.0):
+    return {"/A": volumeCase.Volume(volumeCase.Grid(_Waves()), scattering=scattering, absorption=1.0, scale=1.5),
+            "/B": volumeCase.Volume(volumeCase.Grid(volumeCase.Cloud(24, 9)), scattering=(2, 5, 1), absorption=0.5)}
+
+
+def test_what_bounds_of_blocks_decide_is_what_voxels_do(tmp_path):
+    """A grey volume, in which most collisions need no voxel where bricks stream, and a coloured one. Of the same, but for its colour,
+    which is no grey by a millionth, nearly all collisions read."""
+    path = volumeCase.Stage(tmp_path / "s.usda", lights=(("Dome", {}), ("Rect", {})), add=_AddWall)
+    expected = volumeCase.Render(path, _Grey(), samples=8, residency="resident")[0]["color"]
+    for settings in (dict(textureMemory="100%"), dict(textureMemory="5%"), dict(volumeMemory="16K", waveSize=64)):
+        layers, grey, _ = volumeCase.Render(path, _Grey(), samples=8, residency="stream", **settings)
+        assert np.array_equal(layers["color"], expected), settings
+    almost, colored, _ = volumeCase.Render(path, _Grey((12.0, 12.0, 12.00001)), samples=8, residency="stream", textureMemory="100%")
+    assert np.median(np.abs(almost["color"] / expected - 1)) < 1e-5  # few paths come to another end by rounding
+    read = [run["texture"]["lookups"] - run["texture"]["misses"] for run in (grey, colored)]
+    assert 0 < read[0] < 0.7 * read[1]
 
 
 def test_volumes_keep_their_budget(resident):

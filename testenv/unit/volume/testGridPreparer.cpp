@@ -2,6 +2,8 @@
 // Grids cut into cells, tiles and bricks, and kept in the persistent store.
 #include "hdStream/volume/gridPreparer.h"
 
+#include "hdStream/volume/brickBounds.h"
+
 #include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace hds::test {
 namespace {
@@ -43,8 +46,28 @@ struct Found {
     float greatest = 0.0F;
     float least = 0.0F;
     bool hasBrick = false;
-    float mean = 0.0F; ///< of a cell with a brick
+    float mean = 0.0F;  ///< of a cell with a brick
+    float lower = 0.0F; ///< that the bounds of the voxel's block say, and beside that the next
+    float upper = 0.0F; ///< numbers within, which are no bounds
+    float aboveLower = 0.0F;
+    float belowUpper = 0.0F;
 };
+
+/// What half a byte of bounds stands for.
+float Bound(const shared::HdsBrickBounds& bounds, int code) {
+    return bounds.least + bounds.step * static_cast<float>(code);
+}
+
+/// The bounds of the block of a voxel of a brick, in plain words.
+void FindBounds(const shared::HdsBrickBounds& bounds, glm::ivec3 inside, Found* found) {
+    const glm::ivec3 block = inside / HDS_BLOCK_VOXELS;
+    const int codes =
+        bounds.blocks[(block.z * HDS_BRICK_BLOCKS + block.y) * HDS_BRICK_BLOCKS + block.x];
+    found->lower = Bound(bounds, codes & 15);
+    found->upper = Bound(bounds, codes >> 4);
+    found->aboveLower = Bound(bounds, (codes & 15) + 1);
+    found->belowUpper = Bound(bounds, (codes >> 4) - 1);
+}
 
 Found Find(const PreparedGrid& grid, glm::ivec3 voxel) {
     const GridDescription& description = grid.description;
@@ -70,7 +93,9 @@ Found Find(const PreparedGrid& grid, glm::ivec3 voxel) {
     EXPECT_TRUE(grid.lines->ReadLine(cell.brick * HDS_BRICK_LINES + place / 128, &line));
     float value = 0.0F;
     std::memcpy(&value, &line[place % 128], sizeof(value));
-    return {value, cell.greatest, cell.least, true, cell.value};
+    Found found{value, cell.greatest, cell.least, true, cell.value};
+    FindBounds(description.bounds[cell.brick], inside, &found);
+    return found;
 }
 
 /// Every voxel has its value, and every cell bounds of those that it interpolates, as tight as can
@@ -107,11 +132,30 @@ void ExpectWaves(const PreparedGrid& grid) {
         }
         return sum / count;
     };
+    // Of the block of a voxel, as much as is in the cell: voxels beyond the box are 0.
+    const auto blockAt = [&](glm::ivec3 voxel) {
+        const glm::ivec3 block = voxel & ~(HDS_BLOCK_VOXELS - 1);
+        std::pair<float, float> bounds(valueAt(block), valueAt(block));
+        for (int i = 1; i < 8; ++i) {
+            const float value = valueAt(block + glm::ivec3(i & 1, i >> 1 & 1, i >> 2));
+            bounds = {std::min(bounds.first, value), std::max(bounds.second, value)};
+        }
+        return bounds;
+    };
+    int numTight = 0;
     for (int z = description.first.z - 1; z <= end.z; ++z) {
         for (int y = description.first.y - 1; y <= end.y; ++y) {
             for (int x = description.first.x - 1; x <= end.x; ++x) {
                 const Found found = Find(grid, {x, y, z});
                 ASSERT_EQ(found.value, valueAt({x, y, z})) << x << " " << y << " " << z;
+                if (found.hasBrick) {
+                    const auto [least, greatest] = blockAt({x, y, z});
+                    ASSERT_LE(found.lower, least);
+                    ASSERT_GT(found.aboveLower, least);
+                    ASSERT_GE(found.upper, greatest);
+                    ASSERT_LT(found.belowUpper, greatest);
+                    numTight += found.upper - found.lower < 0.5F * (found.greatest - found.least);
+                }
                 for (int corner = 0; corner < 8; ++corner) {
                     const glm::ivec3 next(x + (corner & 1), y + (corner >> 1 & 1),
                                           z + (corner >> 2 & 1));
@@ -126,6 +170,27 @@ void ExpectWaves(const PreparedGrid& grid) {
                         ASSERT_NEAR(found.mean, meanOf({x, y, z}), 1e-5);
                     }
                 }
+            }
+        }
+    }
+    EXPECT_GT(numTight, 0);
+}
+
+TEST(GridPreparer, BoundsBricksOfAnyNumbers) {
+    for (const float scale : {1e-38F, 1e-30F, 1e-3F, 1.0F, 3e38F}) {
+        for (const float offset : {0.0F, 1e-38F, 0.25F, 1e6F}) {
+            VoxelBrick brick;
+            for (int i = 0; i < static_cast<int>(brick.size()); ++i) {
+                brick[i] = std::min(offset + scale * std::abs(Made({i, 3 * i, 7 * i})) / 4.0F,
+                                    std::numeric_limits<float>::max());
+            }
+            const shared::HdsBrickBounds bounds = BoundBrick(brick);
+            for (int i = 0; i < static_cast<int>(brick.size()); ++i) {
+                Found found;
+                FindBounds(bounds, {i % kVoxels, i / kVoxels % kVoxels, i / kVoxels / kVoxels},
+                           &found);
+                ASSERT_LE(found.lower, brick[i]) << scale << " " << offset << " " << i;
+                ASSERT_GE(found.upper, brick[i]) << scale << " " << offset << " " << i;
             }
         }
     }
