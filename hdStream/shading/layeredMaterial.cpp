@@ -5,6 +5,7 @@
 
 #include "hdStream/base/error.h"
 #include "hdStream/shading/closureTree.h"
+#include "hdStream/shading/emissionForm.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceFrame.h"
@@ -76,8 +77,9 @@ public:
         Set(HDS_INPUT_COAT_IOR, Read("coat_IOR"));
         const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT, tint);
-        const ShaderValue emission = Multiply(Read("emission"), Read("emission_color"), 3);
-        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            CoatedEmission(Multiply(Read("emission"), Read("emission_color"), 3), coat,
+                           Read("coat_IOR"), Read("coat_color")));
         SetFilm(MakeScalar(1.0F), Read("thin_film_thickness"), Read("thin_film_IOR"));
         SetOpacity(Read("opacity"));
         SetNormal("normal");
@@ -128,9 +130,9 @@ public:
         const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT,
             Multiply(tint, OpenPbrDarkening(color, subsurface, metalness, coat, coatIor), 3));
-        const ShaderValue emission =
-            Multiply(Read("emission_luminance"), Read("emission_color"), 3);
-        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            CoatedEmission(Multiply(Read("emission_luminance"), Read("emission_color"), 3), coat,
+                           coatIor, Read("coat_color")));
         const ShaderValue nanometres =
             Multiply(Read("thin_film_thickness"), MakeScalar(1000.0F), 1);
         SetFilm(Read("thin_film_weight"), nanometres, Read("thin_film_ior"));
