@@ -44,6 +44,12 @@ bool Moves(const ChunkGeometry& chunk) {
     return !chunk.keys.empty();
 }
 
+void Pack(const SplatShape& shape, std::vector<float>* packed) {
+    packed->insert(packed->end(), shape.turn.begin(), shape.turn.end());
+    packed->insert(packed->end(), shape.sizes.begin(), shape.sizes.end());
+    packed->push_back(shape.cutoff);
+}
+
 /// Vertices of curves and points as kernels read them.
 std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
     std::vector<float> packed;
@@ -55,14 +61,14 @@ std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
             packed.insert(packed.end(), {normal.x, normal.y, normal.z, 0.0F});
         }
         if (!chunk.shapes.empty()) {
-            const SplatShape& shape = chunk.shapes[i];
-            packed.insert(packed.end(), shape.turn.begin(), shape.turn.end());
-            packed.insert(packed.end(), shape.inverseScales.begin(), shape.inverseScales.end());
-            packed.push_back(shape.cutoff);
+            Pack(chunk.shapes[i], &packed);
         }
         for (const ChunkKey& key : chunk.keys) {
             const glm::vec3& later = key.positions[i];
             packed.insert(packed.end(), {later.x, later.y, later.z, key.radii[i]});
+            if (!key.shapes.empty()) {
+                Pack(key.shapes[i], &packed);
+            }
         }
     }
     return packed;

@@ -51,8 +51,9 @@ struct TriangleBytes {
 
 /// The ellipsoid of a Gaussian splat, as pages have it.
 struct SplatShape {
-    std::array<float, 4> turn{};          ///< unit quaternion: i, j, k, real
-    std::array<float, 3> inverseScales{}; ///< of the standard deviations along the turned axes
+    std::array<float, 4> turn{}; ///< unit quaternion: i, j, k, real
+    /// The standard deviations along the turned axes where shapes move, else one over them.
+    std::array<float, 3> sizes{};
     float cutoff = 0.0F; ///< squared distance, in standard deviations, where it ends
 };
 
@@ -61,6 +62,7 @@ struct ChunkKey {
     std::vector<glm::vec3> positions;    ///< [numVertices]
     SharedSpan<float> normals;           ///< of the elements of the chunk's; empty: those
     std::vector<float> radii;            ///< [numVertices] of curves and points
+    std::vector<SplatShape> shapes;      ///< [numVertices] of splats whose shapes move
     std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
 };
 

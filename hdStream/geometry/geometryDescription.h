@@ -124,15 +124,32 @@ struct FloatSample {
     }
 };
 
+/// The shapes of Gaussian splats around the frame: samples of as many values as the primvars of
+/// these names have. Fewer than two: they are those of the frame.
+struct SplatSamples {
+    std::vector<FloatSample> orientations; ///< on the shorter arc from one to the next
+    std::vector<FloatSample> scales;
+    std::vector<FloatSample> opacities;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(SplatSamples, orientations), HDS_FIELD(SplatSamples, scales),
+                         HDS_FIELD(SplatSamples, opacities));
+    }
+};
+
 /// What moves, at a time while the shutter is open.
 struct ShutterKey {
-    SharedSpan<float> points;  ///< as GeometryDescription::points
-    SharedSpan<float> widths;  ///< values of the primvar; empty: they do not change
-    SharedSpan<float> normals; ///< the same
+    SharedSpan<float> points;       ///< as GeometryDescription::points
+    SharedSpan<float> widths;       ///< values of the primvar; empty: they do not change
+    SharedSpan<float> normals;      ///< the same, as of those of splats
+    SharedSpan<float> orientations; ///< of unit length
+    SharedSpan<float> scales;
+    SharedSpan<float> opacities;
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(ShutterKey, points), HDS_FIELD(ShutterKey, widths),
-                         HDS_FIELD(ShutterKey, normals));
+                         HDS_FIELD(ShutterKey, normals), HDS_FIELD(ShutterKey, orientations),
+                         HDS_FIELD(ShutterKey, scales), HDS_FIELD(ShutterKey, opacities));
     }
 };
 
@@ -147,6 +164,7 @@ struct GeometryDescription {
     /// of as many values. Fewer than two: they are those of the frame.
     std::vector<FloatSample> widthSamples;
     std::vector<PointSample> normalSamples;
+    Apart<SplatSamples> splatSamples;
     /// Where commit lets all go while the shutter is open, straight from one to the next: at equal
     /// steps of time, the last one when it closes. `points` are where it opens. Empty: nowhere.
     std::vector<ShutterKey> keys;
@@ -172,6 +190,9 @@ struct GeometryDescription {
                              .NotInKey("MakeGeometryKey adds them while the shutter is open"),
                          HDS_FIELD(GeometryDescription, normalSamples)
                              .For(kFaces)
+                             .NotInKey("MakeGeometryKey adds them while the shutter is open"),
+                         HDS_FIELD(GeometryDescription, splatSamples)
+                             .For(PrimitiveKind::Splats)
                              .NotInKey("MakeGeometryKey adds them while the shutter is open"),
                          HDS_FIELD(GeometryDescription, keys)
                              .NotInKey("made of samples and the shutter")

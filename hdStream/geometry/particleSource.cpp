@@ -19,7 +19,8 @@ bool ParticleSource::CanNumber() {
     return false;
 }
 
-void ParticleSource::Measure(std::size_t numFloats, const char* unseen) {
+void ParticleSource::Measure(std::size_t numFloats, std::size_t numFloatsLater,
+                             const char* unseen) {
     _origin = glm::dvec3(ChooseOrigin(BoundPoints(*_particles)));
     _numGroups = static_cast<std::uint32_t>(Count());
     std::size_t numBad = 0;
@@ -43,7 +44,8 @@ void ParticleSource::Measure(std::size_t numFloats, const char* unseen) {
     warn(numBad, "not finite or beyond 1e18");
     warn(_numGroups - numBad - _numTriangles, unseen);
     _numVertices = _numTriangles;
-    const std::size_t vertexBytes = (numFloats + 4 * _particles->keys.size()) * sizeof(float);
+    const std::size_t vertexBytes =
+        (numFloats + numFloatsLater * _particles->keys.size()) * sizeof(float);
     _boundBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), false);
     _meanBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), true);
 }

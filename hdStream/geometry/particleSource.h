@@ -30,9 +30,9 @@ protected:
     /// Whether there are no more particles than can be numbered; a line where there are.
     bool CanNumber();
     /// Counts and bounds all particles, with a line for those that are dropped.
-    /// \param numFloats of a particle in a page, without those of its keys. \param unseen why
-    /// particles with a usable point are not drawn.
-    void Measure(std::size_t numFloats, const char* unseen);
+    /// \param numFloats of a particle in a page. \param numFloatsLater the same at a later key.
+    /// \param unseen why particles with a usable point are not drawn.
+    void Measure(std::size_t numFloats, std::size_t numFloatsLater, const char* unseen);
 
     std::size_t Count() const { return _particles->points.size() / 3; }
     std::size_t NumPoses() const { return 1 + _particles->keys.size(); }
@@ -47,17 +47,18 @@ protected:
     virtual void Extend(std::uint32_t group, std::size_t pose, Bounds* bounds) const = 0;
     /// What a page has beside the centre.
     virtual float ValueAt(std::size_t pose, std::uint32_t group) const = 0;
+    /// Adds what else pages have of it, in all poses.
     virtual void AddShape(std::uint32_t /*group*/, ChunkGeometry* /*chunk*/) const {}
 
     std::shared_ptr<const GeometryDescription> _particles;
     mutable PrimLog _log;
     std::vector<GeometryAttribute> _values; ///< primvars of pages
+    std::uint32_t _kind;                    ///< HDS_PRIMITIVE_*
 
 private:
     void Add(std::uint32_t group, std::size_t pose, std::vector<glm::vec3>* positions,
              std::vector<float>* values, std::vector<Bounds>* bounds) const;
 
-    std::uint32_t _kind;
     std::string _name;
     mutable std::once_flag _isRead;
 };

@@ -33,7 +33,7 @@ public:
             _attributes.push_back({attribute.name, attribute.numComponents});
         }
         constexpr std::size_t kVertexFloats = 4;
-        Measure(kVertexFloats, "no width");
+        Measure(kVertexFloats, kVertexFloats, "no width");
     }
 
 private:

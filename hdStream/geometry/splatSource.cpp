@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -38,15 +39,51 @@ public:
             return;
         }
         const std::size_t count = Count();
-        _orientations = ValuesOf(kSplatOrientations, 4, count);
-        _scales = ValuesOf(kSplatScales, 3, count);
-        _opacities = ValuesOf(kSplatOpacities, 1, count);
+        _orientations = PosesOf(kSplatOrientations, 4, count, &ShutterKey::orientations);
+        _scales = PosesOf(kSplatScales, 3, count, &ShutterKey::scales);
+        _opacities = PosesOf(kSplatOpacities, 1, count, &ShutterKey::opacities);
+        _shapesMove = _orientations.size() + _scales.size() + _opacities.size() > 3;
+        _kind |= _shapesMove ? HDS_PRIMITIVE_SHAPES_MOVE : 0U;
         CollectPrimvars(count);
-        Measure(kVertexFloats, "no scale or orientation, or an opacity below 1/255");
+        Measure(kVertexFloats, _shapesMove ? kVertexFloats : 4,
+                "no scale or orientation, or an opacity below 1/255");
     }
 
 private:
-    bool IsSeen(std::uint32_t group) const override { return ShapeOf(group).has_value(); }
+    using Poses = std::vector<SharedSpan<float>>; ///< one: in all poses
+
+    bool IsSeen(std::uint32_t group) const override {
+        float opacity = 0.0F;
+        float size = 0.0F;
+        for (std::size_t pose = 0; pose < NumShapes(); ++pose) {
+            const std::optional<SplatShape> shape = ShapeOf(pose, group);
+            if (!shape) {
+                return false;
+            }
+            opacity = std::max(opacity, OpacityOf(pose, group));
+            size = std::max({size, shape->sizes[0], shape->sizes[1], shape->sizes[2]});
+        }
+        return size > 0.0F && CutoffOf(opacity) > 0.0;
+    }
+
+    /// Poses in which shapes may differ.
+    std::size_t NumShapes() const { return _shapesMove ? NumPoses() : 1; }
+
+    static const SharedSpan<float>& At(const Poses& poses, std::size_t pose) {
+        return poses[std::min(pose, poses.size() - 1)];
+    }
+
+    /// The primvar, and in later poses what the keys have.
+    Poses PosesOf(const char* name, std::uint32_t numComponents, std::size_t count,
+                  SharedSpan<float> ShutterKey::*member) {
+        Poses poses{ValuesOf(name, numComponents, count)};
+        for (const ShutterKey& key : _particles->keys) {
+            if (!poses[0].empty() && (key.*member).size() == poses[0].size()) {
+                poses.push_back(key.*member);
+            }
+        }
+        return poses;
+    }
 
     /// Values of a primvar of all splats; empty, where there is no such primvar, or too few values,
     /// with a line: the schema's fallback.
@@ -86,23 +123,24 @@ private:
         }
     }
 
-    float OpacityOf(std::uint32_t group) const {
-        const float opacity = _opacities.empty() ? 1.0F : _opacities[group];
+    float OpacityOf(std::size_t pose, std::uint32_t group) const {
+        const SharedSpan<float>& opacities = At(_opacities, pose);
+        const float opacity = opacities.empty() ? 1.0F : opacities[group];
         return std::isfinite(opacity) ? std::clamp(opacity, 0.0F, 1.0F) : 0.0F;
     }
 
-    /// Nothing: it cannot be seen.
-    std::optional<SplatShape> ShapeOf(std::uint32_t group) const {
+    static double CutoffOf(double opacity) {
+        return 2.0 * std::log(opacity / double{HDS_SPLAT_LEAST_ALPHA});
+    }
+
+    /// With scales as they are. Nothing: it is not drawn.
+    std::optional<SplatShape> ShapeOf(std::size_t pose, std::uint32_t group) const {
         SplatShape shape;
-        const double opacity = OpacityOf(group);
-        const double cutoff = 2.0 * std::log(opacity / double{HDS_SPLAT_LEAST_ALPHA});
-        if (!(cutoff > 0.0)) {
-            return std::nullopt;
-        }
-        shape.cutoff = static_cast<float>(cutoff);
+        shape.cutoff = std::max(0.0F, static_cast<float>(CutoffOf(OpacityOf(pose, group))));
         shape.turn = {0.0F, 0.0F, 0.0F, 1.0F};
-        if (!_orientations.empty()) {
-            const float* from = _orientations.data() + std::size_t{4} * group;
+        if (const SharedSpan<float>& orientations = At(_orientations, pose);
+            !orientations.empty()) {
+            const float* from = orientations.data() + std::size_t{4} * group;
             const glm::dvec4 turn(from[0], from[1], from[2], from[3]);
             const double length = glm::length(turn);
             if (!(length > 0.0) || !std::isfinite(length)) {
@@ -112,38 +150,83 @@ private:
                 shape.turn[i] = static_cast<float>(turn[i] / length);
             }
         }
-        std::array<float, 3> scales = {1.0F, 1.0F, 1.0F};
-        if (!_scales.empty()) {
-            const float* from = _scales.data() + std::size_t{3} * group;
-            std::transform(from, from + 3, scales.begin(), [](float x) { return std::fabs(x); });
+        shape.sizes = {1.0F, 1.0F, 1.0F};
+        if (const SharedSpan<float>& scales = At(_scales, pose); !scales.empty()) {
+            const float* from = scales.data() + std::size_t{3} * group;
+            std::transform(from, from + 3, shape.sizes.begin(),
+                           [](float x) { return std::fabs(x); });
         }
-        const float greatest = std::max({scales[0], scales[1], scales[2]});
-        for (int i = 0; i < 3; ++i) {
-            if (!(greatest > 0.0F) || !(scales[i] < kMaxCoordinate)) {
+        const float greatest = std::max({shape.sizes[0], shape.sizes[1], shape.sizes[2]});
+        for (float& size : shape.sizes) {
+            if (!(size < kMaxCoordinate)) {
                 return std::nullopt;
             }
-            shape.inverseScales[i] = 1.0F / std::max(scales[i], kLeastPart * greatest);
+            size = std::max(size, kLeastPart * greatest);
         }
         return shape;
     }
 
-    /// Half the box of the ellipsoid where it ends.
-    static glm::dvec3 ReachOf(const SplatShape& shape) {
-        const glm::dquat turn(shape.turn[3], shape.turn[0], shape.turn[1], shape.turn[2]);
+    static glm::dquat TurnOf(const SplatShape& shape) {
+        return {shape.turn[3], shape.turn[0], shape.turn[1], shape.turn[2]};
+    }
+
+    /// Half the box of the ellipsoid within its standard deviations.
+    static glm::dvec3 ReachOf(const glm::dquat& turn, const glm::dvec3& sizes) {
         const glm::dmat3 axes = glm::mat3_cast(turn);
         glm::dvec3 squares(0.0);
         for (int i = 0; i < 3; ++i) {
-            const glm::dvec3 axis = axes[i] / static_cast<double>(shape.inverseScales[i]);
+            const glm::dvec3 axis = axes[i] * sizes[i];
             squares += axis * axis;
         }
-        return glm::sqrt(static_cast<double>(shape.cutoff) * squares);
+        return glm::sqrt(squares);
+    }
+
+    /// Half a box that holds the ellipsoid, where it ends, in two poses and on the way. It is the
+    /// length of a vector for each axis of the box that goes along a circle of at most the greatest
+    /// deviation: on arcs of h radians, its length is at most that of the chord's longer end and
+    /// h^2 / 8 of that radius.
+    static glm::dvec3 ReachBetween(const SplatShape& a, const SplatShape& b) {
+        constexpr int kNumArcs = 4;
+        const glm::dquat from = TurnOf(a);
+        glm::dquat to = TurnOf(b);
+        to = glm::dot(from, to) < 0.0 ? -to : to;
+        glm::dvec3 sizes(0.0);
+        for (int i = 0; i < 3; ++i) {
+            sizes[i] = std::max(a.sizes[i], b.sizes[i]);
+        }
+        glm::dvec3 reach(0.0);
+        const bool turns = a.turn != b.turn;
+        for (int i = 0; i <= (turns ? kNumArcs : 0); ++i) {
+            reach = glm::max(reach, ReachOf(glm::slerp(from, to, i * (1.0 / kNumArcs)), sizes));
+        }
+        if (turns) {
+            const double arc = 2.0 * std::acos(std::min(1.0, glm::dot(from, to))) / kNumArcs;
+            reach += arc * arc / 8.0 * std::max({sizes[0], sizes[1], sizes[2]});
+        }
+        return std::sqrt(double{std::max(a.cutoff, b.cutoff)}) * reach;
+    }
+
+    /// Half the box of a pose, so that the boxes between those of two poses hold what is between.
+    glm::dvec3 ReachAt(std::size_t pose, std::uint32_t group) const {
+        if (!_shapesMove) {
+            const SplatShape shape = *ShapeOf(0, group);
+            return ReachBetween(shape, shape);
+        }
+        const SplatShape shape = *ShapeOf(pose, group);
+        glm::dvec3 reach(0.0);
+        for (const std::size_t other : {pose - 1, pose + 1}) {
+            if (other < NumPoses()) {
+                reach = glm::max(reach, ReachBetween(shape, *ShapeOf(other, group)));
+            }
+        }
+        return reach;
     }
 
     void Extend(std::uint32_t group, std::size_t pose, Bounds* bounds) const override {
         // Kernels measure distances in float, in units that differ from axis to axis.
         constexpr double kPart = 1.0 + 1e-4;
         const glm::dvec3 centre = CentreAt(pose, group);
-        const glm::dvec3 reach = kPart * ReachOf(*ShapeOf(group));
+        const glm::dvec3 reach = kPart * ReachAt(pose, group);
         for (int axis = 0; axis < 3; ++axis) {
             glm::dvec3 along(0.0);
             along[axis] = reach[axis];
@@ -154,16 +237,32 @@ private:
             bounds->max[axis] = std::max(bounds->max[axis], ends.max[axis]);
         }
     }
-    float ValueAt(std::size_t /*pose*/, std::uint32_t group) const override {
-        return OpacityOf(group);
+    float ValueAt(std::size_t pose, std::uint32_t group) const override {
+        return OpacityOf(pose, group);
     }
     void AddShape(std::uint32_t group, ChunkGeometry* chunk) const override {
-        chunk->shapes.push_back(*ShapeOf(group));
+        SplatShape shape = *ShapeOf(0, group);
+        if (!_shapesMove) {
+            for (float& size : shape.sizes) {
+                size = 1.0F / size;
+            }
+        }
+        chunk->shapes.push_back(shape);
+        for (std::size_t pose = 1; _shapesMove && pose < NumPoses(); ++pose) {
+            SplatShape later = *ShapeOf(pose, group);
+            if (glm::dot(TurnOf(shape), TurnOf(later)) < 0.0) { // kernels go straight
+                std::transform(later.turn.begin(), later.turn.end(), later.turn.begin(),
+                               std::negate<>());
+            }
+            chunk->keys[pose - 1].shapes.push_back(later);
+            shape = later;
+        }
     }
 
-    SharedSpan<float> _orientations; ///< empty: not turned
-    SharedSpan<float> _scales;       ///< empty: 1
-    SharedSpan<float> _opacities;    ///< empty: 1
+    Poses _orientations; ///< empty arrays: not turned
+    Poses _scales;       ///< empty arrays: 1
+    Poses _opacities;    ///< empty arrays: 1
+    bool _shapesMove = false;
 };
 
 } // namespace

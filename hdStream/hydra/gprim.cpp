@@ -45,6 +45,9 @@ bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescrip
            HdStreamEqual(a.points, b.points) && HdStreamEqual(a.samples, b.samples) &&
            HdStreamEqual(a.widthSamples, b.widthSamples) &&
            HdStreamEqual(a.normalSamples, b.normalSamples) &&
+           HdStreamEqual(a.splatSamples->orientations, b.splatSamples->orientations) &&
+           HdStreamEqual(a.splatSamples->scales, b.splatSamples->scales) &&
+           HdStreamEqual(a.splatSamples->opacities, b.splatSamples->opacities) &&
            HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
            HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
            HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(*a.subdivTags, *b.subdivTags) &&

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/motion.h"
 
+#include "hdStream/geometry/splatSource.h"
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/sceneIndexPlugins.h"
@@ -261,6 +262,23 @@ std::vector<hds::PointSample> HdStreamSampleNormals(HdSceneDelegate* delegate, c
     const PrimShutter own(delegate, id, shutter);
     return own.Told(RowsOf<hds::PointSample>(
         HdStreamSamplePrimvar(delegate, id, HdTokens->normals, own.interval), 3));
+}
+
+hds::SplatSamples HdStreamSampleShapes(HdSceneDelegate* delegate, const SdfPath& id,
+                                       const hds::GeometryDescription& splats,
+                                       const hds::Shutter& shutter) {
+    const PrimShutter own(delegate, id, shutter);
+    const auto sample = [&](const char* name, std::uint32_t numComponents) {
+        const bool isThere = std::any_of(splats.primvars.begin(), splats.primvars.end(),
+                                         [&](const auto& one) { return one.name == name; });
+        return isThere && own.interval.IsOpen()
+                   ? own.Told(RowsOf<hds::FloatSample>(
+                         HdStreamSamplePrimvar(delegate, id, TfToken(name), own.interval),
+                         numComponents))
+                   : std::vector<hds::FloatSample>();
+    };
+    return {sample(hds::kSplatOrientations, 4), sample(hds::kSplatScales, 3),
+            sample(hds::kSplatOpacities, 1)};
 }
 
 bool HdStreamEqual(const std::vector<hds::FloatSample>& a, const std::vector<hds::FloatSample>& b) {

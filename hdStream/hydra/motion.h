@@ -64,6 +64,11 @@ std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, co
 std::vector<hds::PointSample> HdStreamSampleNormals(HdSceneDelegate* delegate, const SdfPath& id,
                                                     const hds::Shutter& shutter);
 
+/// The shapes of Gaussian splats; what does not change has no samples.
+hds::SplatSamples HdStreamSampleShapes(HdSceneDelegate* delegate, const SdfPath& id,
+                                       const hds::GeometryDescription& splats,
+                                       const hds::Shutter& shutter);
+
 bool HdStreamEqual(const std::vector<hds::PointSample>& a, const std::vector<hds::PointSample>& b);
 bool HdStreamEqual(const std::vector<hds::FloatSample>& a, const std::vector<hds::FloatSample>& b);
 bool HdStreamEqual(const std::vector<hds::TransformSample>& a,

@@ -129,7 +129,10 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
                                    "without motion blur");
             });
         }
-        if (geometry->primitives != hds::PrimitiveKind::Faces) {
+        if (geometry->primitives == hds::PrimitiveKind::Splats) {
+            geometry->splatSamples =
+                HdStreamSampleShapes(delegate, id, *geometry, param->Shutter());
+        } else if (geometry->primitives != hds::PrimitiveKind::Faces) {
             geometry->widthSamples = HdStreamSampleWidths(delegate, id, param->Shutter());
         } else if (HdStreamHasComputedPoints(delegate, id)) {
             HdStreamCarryNormals(delegate, id, geometry.get());

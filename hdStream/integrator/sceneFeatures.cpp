@@ -6,6 +6,7 @@
 #include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/scene/motion.h"
 #include "hdStream/shading/domeGuide.h"
+#include "kernels/shared/dispersion.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -30,6 +31,13 @@ bool WillBeFlat(const CommittedScene& scene, const FlatLimits& limits) {
 bool Moves(const CommittedScene& scene, const RenderOptions& options) {
     return scene.hasMotion || MovesOver(options.camera, options.shutter) ||
            LensChangesOver(options.camera, options.shutter);
+}
+
+bool HasDispersion(const CommittedScene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const shared::HdsMaterial& one) {
+                           return one.lobes != 0 && shared::dispersion_ofFlags(one.flags) > 0.0F;
+                       });
 }
 
 /// \param budgetBytes of the pool, which holds `poolBytes`.
@@ -87,6 +95,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.pathLimits = options.HasPathLimits();
     features.media = scene.hasMedia;
     features.hair = scene.hasHair;
+    features.dispersion = HasDispersion(scene);
     features.workingSpace = scene.hasWorkingSpace;
     features.glassShadows = scene.hasGlassShadows;
     features.terminator = options.smoothTerminator;

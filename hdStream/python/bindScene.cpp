@@ -58,6 +58,7 @@ void BindGeometry(nb::module_& module) {
     BindStruct<SubdivTags>(module, "SubdivTags", "OpenSubdiv tags as authored.");
     BindEnum<PrimitiveKind>(module, "PrimitiveKind", "What a description is made of.");
     BindStruct<CurveForm>(module, "CurveForm", "How points become curves.");
+    BindStruct<SplatSamples>(module, "SplatSamples", "Shapes of Gaussian splats around the frame.");
     BindStruct<GeometryDescription>(module, "GeometryDescription",
                                     "A mesh, curves or points as authored.");
 

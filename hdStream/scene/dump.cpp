@@ -314,8 +314,17 @@ private:
         }
     }
     void Value(const std::string& /*name*/, const std::vector<FloatSample>& samples) const {
+        Samples("widths", samples);
+    }
+    void Value(const std::string& /*name*/, const Apart<SplatSamples>& samples) const {
+        Samples("orientations", samples->orientations);
+        Samples("scales", samples->scales);
+        Samples("opacities", samples->opacities);
+    }
+    void Samples(const std::string& what, const std::vector<FloatSample>& samples) const {
         for (const FloatSample& sample : samples) {
-            _out.Line("widths at " + Number(static_cast<float>(sample.time)), Array(sample.values));
+            _out.Line(what + " at " + Number(static_cast<float>(sample.time)),
+                      Array(sample.values));
         }
     }
     void Value(const std::string& /*name*/, const std::vector<ShutterKey>& /*keys*/) const {}

@@ -13,6 +13,7 @@ PageKey MakeGeometryKey(const GeometryInputs& inputs) {
         fields.Add(inputs.geometry->samples);
         fields.Add(inputs.geometry->widthSamples);
         fields.Add(inputs.geometry->normalSamples);
+        fields.Add(inputs.geometry->splatSamples);
     }
     return MakePageKey(hasher);
 }

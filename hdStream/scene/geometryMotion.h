@@ -9,7 +9,7 @@
 
 namespace hds {
 
-/// Whether points, widths or normals change while the shutter is open.
+/// Whether points, widths, normals or shapes change while the shutter is open.
 bool Deforms(const GeometryDescription& geometry, const Shutter& shutter);
 
 /// The geometry when the shutter opens, with keys: as few as hold all samples to within a small

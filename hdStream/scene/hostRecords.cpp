@@ -29,6 +29,7 @@ std::uint64_t BytesOf(const GeometryDescription& geometry) {
                           ListBytes(geometry.primvars) + ListBytes(geometry.subsets);
     bytes += geometry.subdivTags.IsApart() ? sizeof(SubdivTags) + kBlock / 2 : 0;
     bytes += geometry.curves.IsApart() ? sizeof(CurveForm) + kBlock / 2 : 0;
+    bytes += geometry.splatSamples.IsApart() ? sizeof(SplatSamples) + kBlock / 2 : 0;
     for (const Primvar& primvar : geometry.primvars) {
         bytes += TextBytes(primvar.name);
     }

@@ -449,6 +449,7 @@ LayeredMaterial ChooseSlab(ClosureSlabs slabs) {
     for (const ClosureSlab& slab : slabs) {
         result.flags |= slab.layered.flags;
         result.lobes |= slab.layered.lobes;
+        result.dispersion = std::max(result.dispersion, slab.layered.dispersion);
         below = Add(below, slab.share, 1);
         isChosen.push_back(MakeMath(HDS_MATH_GREATER, {below, chance}, 1));
     }

@@ -3,6 +3,7 @@
 #include "hdStream/shading/closureTree.h"
 
 #include "hdStream/shading/closureSlab.h"
+#include "hdStream/shading/emissionForm.h"
 #include "hdStream/shading/nodeWalk.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
@@ -191,13 +192,27 @@ public:
     }
 
     ShaderValue UniformEdf(const MaterialNode& node) { return Color(node, "color", 1.0F); }
-    ShaderValue ShapedEdf(const MaterialNode& node) {
+    ShaderValue MeasuredEdf(const MaterialNode& node) {
         _network.Warn(node.path + ": it emits alike in all directions");
         return UniformEdf(node);
     }
+    ShaderValue ConicalEdf(const MaterialNode& node) {
+        if (!IsSurfaces(_network, node, "normal")) {
+            WarnOf(_network, node, "normal", kSurfacesFrame);
+        }
+        return Multiply(
+            UniformEdf(node),
+            ConicalEmission(Scalar(node, "inner_angle", 60.0F), Scalar(node, "outer_angle", 0.0F)),
+            3);
+    }
     ShaderValue SchlickEdf(const MaterialNode& node) {
         const ShaderValue base = Edf(node, "base");
-        return base ? Multiply(base, Color(node, "color0", 1.0F), 3) : base;
+        return base ? Multiply(base,
+                               SchlickEmission(Color(node, "color0", 1.0F),
+                                               Color(node, "color90", 1.0F),
+                                               Scalar(node, "exponent", 5.0F)),
+                               3)
+                    : base;
     }
     ShaderValue MixEdf(const MaterialNode& node) {
         return Mix(OrBlack(Edf(node, "bg")), OrBlack(Edf(node, "fg")), Scalar(node, "mix", 0.0F),
@@ -362,8 +377,8 @@ struct EdfType {
 
 constexpr EdfType kEdfs[] = {
     {"ND_uniform_edf", &ClosureReader::UniformEdf},
-    {"ND_conical_edf", &ClosureReader::ShapedEdf},
-    {"ND_measured_edf", &ClosureReader::ShapedEdf},
+    {"ND_conical_edf", &ClosureReader::ConicalEdf},
+    {"ND_measured_edf", &ClosureReader::MeasuredEdf},
     {"ND_generalized_schlick_edf", &ClosureReader::SchlickEdf},
     {"ND_mix_edf", &ClosureReader::MixEdf},
     {"ND_add_edf", &ClosureReader::AddEdf},

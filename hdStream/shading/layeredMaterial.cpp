@@ -5,13 +5,16 @@
 
 #include "hdStream/base/error.h"
 #include "hdStream/shading/closureTree.h"
+#include "hdStream/shading/emissionForm.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceInputs.h"
+#include "kernels/shared/dispersion.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <initializer_list>
 #include <iterator>
 #include <utility>
@@ -76,13 +79,15 @@ public:
         Set(HDS_INPUT_COAT_IOR, Read("coat_IOR"));
         const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT, tint);
-        const ShaderValue emission = Multiply(Read("emission"), Read("emission_color"), 3);
-        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            CoatedEmission(Multiply(Read("emission"), Read("emission_color"), 3), coat,
+                           Read("coat_IOR"), Read("coat_color")));
         SetFilm(MakeScalar(1.0F), Read("thin_film_thickness"), Read("thin_film_IOR"));
         SetOpacity(Read("opacity"));
         SetNormal("normal");
         Ignore("transmission_extra_roughness", {"transmission"});
-        Ignore("transmission_dispersion", {"transmission"});
+        const float abbe = Uniform("transmission_dispersion", {"transmission"});
+        SetDispersion(abbe > 0.0F ? 1.0F / abbe : 0.0F);
         Ignore("coat_anisotropy", {"coat"});
         IgnoreFrame("coat_normal", "normal", {"coat"});
         return Take();
@@ -128,15 +133,18 @@ public:
         const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT,
             Multiply(tint, OpenPbrDarkening(color, subsurface, metalness, coat, coatIor), 3));
-        const ShaderValue emission =
-            Multiply(Read("emission_luminance"), Read("emission_color"), 3);
-        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            CoatedEmission(Multiply(Read("emission_luminance"), Read("emission_color"), 3), coat,
+                           coatIor, Read("coat_color")));
         const ShaderValue nanometres =
             Multiply(Read("thin_film_thickness"), MakeScalar(1000.0F), 1);
         SetFilm(Read("thin_film_weight"), nanometres, Read("thin_film_ior"));
         SetOpacity(Read("geometry_opacity"));
         SetNormal("geometry_normal");
-        Ignore("transmission_dispersion_scale", {"transmission_weight"});
+        const float scale = Uniform("transmission_dispersion_scale", {"transmission_weight"});
+        const float abbe = Uniform("transmission_dispersion_abbe_number",
+                                   {"transmission_weight", "transmission_dispersion_scale"});
+        SetDispersion(abbe > 0.0F ? scale / abbe : 0.0F);
         Ignore("coat_roughness_anisotropy", {"coat_weight"});
         IgnoreFrame("geometry_coat_normal", "geometry_normal", {"coat_weight"});
         IgnoreFrame("geometry_coat_tangent", "geometry_tangent",
@@ -180,7 +188,8 @@ public:
         SetNormal("normal");
         SetFilm(Read("iridescence"), Read("iridescence_thickness"), Read("iridescence_ior"));
         SetGltfStretch();
-        Ignore("dispersion", {"transmission"});
+        constexpr float kGltfAbbe = 20.0F; // of dispersion 1
+        SetDispersion(Uniform("dispersion", {"transmission"}) / kGltfAbbe);
         IgnoreFrame("clearcoat_normal", "normal", {"clearcoat"});
         return Take();
     }
@@ -397,6 +406,25 @@ private:
 
     using Names = std::initializer_list<const char*>;
 
+    /// The value of an input that is the same all over a surface; 0 of one that is not shown, and
+    /// of one that varies, with a warning.
+    float Uniform(const char* input, Names shownBy) {
+        if (!AreShown(shownBy)) {
+            return 0.0F;
+        }
+        const ShaderValue value = Read(input);
+        if (!IsConstant(value)) {
+            Warn(input, "varies, which is not supported, and is left out");
+            return 0.0F;
+        }
+        return ConstantOf(value)[0];
+    }
+    void SetDispersion(float dispersion) {
+        if ((_result.flags & HDS_MATERIAL_THIN_WALLED) == 0) {
+            _result.dispersion = dispersion > 0.0F ? dispersion : 0.0F;
+        }
+    }
+
     /// Warns where the input and all that it shows by are not 0.
     void Ignore(const char* input, Names shownBy = {}) {
         if (AreShown(shownBy) && !IsAll(Read(input), 0.0F)) {
@@ -469,6 +497,20 @@ void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMate
     material->values[HDS_INPUT_METAL_COLOR] = color;
     material->values[HDS_INPUT_EDGE_COLOR] = Subtract(MakeScalar(-1.0F), edge, 3);
     material->lobes |= HDS_LOBE_CONDUCTOR;
+}
+
+std::uint32_t DispersionFlags(const LayeredMaterial& material) {
+    constexpr float kLeast = 1.0F / (1U << 14U);
+    constexpr float kMost = 2.0F - 1.0F / (1U << 10U);
+    if ((material.lobes & HDS_LOBE_TRANSMISSION) == 0 || !(material.dispersion > kLeast)) {
+        return 0;
+    }
+    const float limited = std::min(material.dispersion, kMost);
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &limited, sizeof(bits));
+    constexpr std::uint32_t kHalf = 1U << (HDS_DISPERSION_CUT - 1U); // it is rounded
+    const std::uint32_t kept = (bits - HDS_DISPERSION_FIRST + kHalf) >> HDS_DISPERSION_CUT;
+    return kept << HDS_MATERIAL_DISPERSION_SHIFT;
 }
 
 void FinishLayered(LayeredMaterial* material) {

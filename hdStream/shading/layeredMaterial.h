@@ -17,11 +17,15 @@ struct LayeredMaterial {
     std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values; ///< empty: the default
     std::uint32_t flags = 0;                                ///< HDS_MATERIAL_*
     std::uint32_t lobes = 0; ///< HDS_LOBE_*; before FinishLayered HDS_LOBE_CONDUCTOR alone
+    float dispersion = 0.0F; ///< one over the Abbe number of what refracts; 0: none
 };
 
 /// Makes the metal a conductor, with Fresnel's equations. \param color reflectance at normal
 /// incidence. \param edge Gulbrandsen's tint of its edge (Gulbrandsen 2014)
 void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material);
+
+/// The dispersion of what refracts, as dispersion_ofFlags reads it. \pre FinishLayered.
+std::uint32_t DispersionFlags(const LayeredMaterial& material);
 
 /// Sets the lobes by the values, and takes away what belongs to lobes that are not there.
 void FinishLayered(LayeredMaterial* material);

@@ -101,7 +101,7 @@ void SetInput(CompiledMaterial& material, std::uint32_t input, const ShaderValue
 /// Puts a layered surface into a material of defaults.
 void SetLayered(CompiledMaterial& material, const LayeredMaterial& layered,
                 const MaterialNode& node, const std::string& materialPath, Warnings& warnings) {
-    material.constants.flags |= layered.flags;
+    material.constants.flags |= layered.flags | DispersionFlags(layered);
     material.constants.lobes = layered.lobes;
     for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
         if (layered.values[i]) {

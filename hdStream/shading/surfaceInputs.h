@@ -65,6 +65,7 @@ constexpr SurfaceInput kOpenPbrInputs[] = {
     {"transmission_scatter", 3, 0.0F},
     {"transmission_scatter_anisotropy", 1, 0.0F},
     {"transmission_dispersion_scale", 1, 0.0F},
+    {"transmission_dispersion_abbe_number", 1, 20.0F},
     {"subsurface_weight", 1, 0.0F},
     {"subsurface_color", 3, 0.8F},
     {"subsurface_radius", 1, 1.0F},

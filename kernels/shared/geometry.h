@@ -149,8 +149,9 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
 /* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.
  * All but triangles have vertices of four floats, the last one the radius; those of ribbons have
  * four more, the normal at the joint and 0. Of splats the last one is the opacity, and there are
- * eight more: the turn as a quaternion, one over the scales, and the cutoff. Explained in
- * docs/curves.md and docs/splats.md. */
+ * eight more: the turn as a quaternion, one over the scales, and the cutoff. Where shapes of splats
+ * move, later keys have all twelve, and scales as they are. Explained in docs/curves.md and
+ * docs/splats.md. */
 #define HDS_PRIMITIVE_SHIFT 27
 #define HDS_PRIMITIVE_TRIANGLES 0u
 #define HDS_PRIMITIVE_POINTS 1u
@@ -163,6 +164,7 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
 #define HDS_PRIMITIVE_BASIS 7u          /* mask of the above */
 #define HDS_PRIMITIVE_RIBBON 8u         /* a curve that is flat and faces the normals; else round */
 #define HDS_PRIMITIVE_LINEAR_WIDTHS 16u /* radii are linear between the joints of a segment */
+#define HDS_PRIMITIVE_SHAPES_MOVE 16u   /* of splats: not their centres alone */
 
 /* A triangle of a chunk: its three chunk-local vertex indices. A point or a splat: its vertex, as
  * corner 0. A piece of a segment of a curve: the first of the segment's four vertices, as corner 0,

@@ -243,8 +243,73 @@ def test_bits_do_not_depend_on_pools_and_waves(tmp_path):
     assert np.array_equal(whole, streamed) and np.array_equal(whole, small)
 
 
+def _Schlick(color0, color90, exponent, cosine):
+    return np.array(color0) + (np.array(color90) - np.array(color0)) * (1 - cosine) ** exponent
+
+
+def _Cone(inner, outer, cosine):
+    inner, outer = np.cos(np.radians(inner) / 2), np.cos(np.radians(outer) / 2)
+    if outer >= inner:
+        return (cosine >= inner) * 1.0
+    x = np.clip((cosine - outer) / (inner - outer), 0, 1)
+    return x * x * (3 - 2 * x)
+
+
+# A surface that emits, and its radiance towards a viewer whose direction has that cosine with the normal.
+EDFS = {
+    "schlick": (_Surface(None, lambda c: c("generalized_schlick_edf", base=c("uniform_edf", color=GOLD), color0=(0.9, 0.5, 0.1),
+                                           color90=(0.1, 0.8, 0.0), exponent=3.0)),
+                lambda cosine: np.array(GOLD) * _Schlick((0.9, 0.5, 0.1), (0.1, 0.8, 0.0), 3.0, abs(cosine))),
+    "cone": (_Surface(None, lambda c: c("conical_edf", color=GOLD, inner_angle=50.0, outer_angle=140.0)),
+             lambda cosine: np.array(GOLD) * _Cone(50.0, 140.0, cosine)),
+    "hardCone": (_Surface(None, lambda c: c("conical_edf", color=GOLD, inner_angle=100.0)),
+                 lambda cosine: np.array(GOLD) * _Cone(100.0, 0.0, cosine)),
+    "coatOfStandardSurface": (_Standard(base=0.0, specular=0.0, emission=2.0, emission_color=GOLD, coat=0.8, coat_IOR=1.8,
+                                        coat_color=RED),
+                              lambda cosine: 2.0 * np.array(GOLD) * (0.2 + 0.8 * np.array(RED) * (
+                                  1 - (0.8 / 2.8) ** 2) * (1 - (1 - abs(cosine)) ** 5))),
+    "coatOfOpenPbr": (_OpenPbr(base_weight=0.0, specular_weight=0.0, emission_luminance=2.0, emission_color=GOLD, coat_weight=1.0,
+                               coat_ior=1.6, coat_color=RED),
+                      lambda cosine: 2.0 * np.array(GOLD) * np.array(RED) * (1 - (0.6 / 2.6) ** 2) * (1 - (1 - abs(cosine)) ** 5)),
+}
+
+
+@pytest.mark.parametrize("name", EDFS)
+def test_what_is_emitted_depends_on_the_viewer(tmp_path, name):
+    surface, radiance = EDFS[name]
+    dark = [("Distant", dict(intensity=0.0))]
+    for degrees in (0, 20, 45, 75, 120):
+        seen = _Picture(tmp_path, surface, dark, samples=1, size=8, shape=shapes.Plane(4, 4), degrees=degrees,
+                        maxDepth=0).rgb[4, 4]
+        assert seen == pytest.approx(radiance(np.cos(np.radians(degrees))), abs=1e-5), degrees
+
+
+@pytest.mark.parametrize("name", ["schlick", "cone"])
+def test_light_samples_see_what_is_emitted_towards_them(tmp_path, name):
+    """The irradiance of a floor below a panel, by the panel's radiance in the direction of each point, summed."""
+    surface, radiance = EDFS[name]
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    white = author.AddMaterial(stage, "/World/White", diffuseColor=(1, 1, 1), specularColor=(0, 0, 0), useSpecularWorkflow=1)
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(6, 6), material=white)
+    author.AddMesh(stage, "/World/Panel", shapes.Plane(1, 1), material=surface(stage), doubleSided=True, translate=(0, 1.5, 0),
+                   rotate=(180, 0, 0))
+    author.AddCamera(stage, eye=(2, 1, 0), target=(2, 0, 0), up=(0, 0, 1), width=10, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(stage.GetRootLayer().realPath, 8, 8, samples=1024, maxDepth=1, pixelFilter="box", pixelFilterWidth=1.0).rgb
+    points = (np.arange(64) + 0.5) / 64 - 0.5
+    px, pz = np.meshgrid(points, points)
+    pixels = (np.arange(64) + 0.5) / 64 - 0.5  # of the picture's width, which is 1
+    fx, fz = np.meshgrid(pixels + 2.0, pixels)
+    dx, dz = fx[..., None] - px.reshape(-1), fz[..., None] - pz.reshape(-1)
+    squares = dx * dx + dz * dz + 1.5 ** 2
+    cosine = 1.5 / np.sqrt(squares)
+    expected = np.stack([(radiance(cosine[..., None])[..., c] * cosine ** 2 / squares).mean(-1) / np.pi for c in range(3)], -1)
+    expected = expected.reshape(8, 8, 8, 8, 3).mean((1, 3))
+    assert picture.mean((0, 1)) == pytest.approx(expected.mean((0, 1)), rel=0.005)
+
+
 def test_what_is_not_supported_is_said(tmp_path):
-    surface = _Surface(lambda c: c.Mix(c.Diffuse(), c("ours_bsdf"), 0.5), lambda c: c("conical_edf", color=BLUE))
+    surface = _Surface(lambda c: c.Mix(c.Diffuse(), c("ours_bsdf"), 0.5), lambda c: c("measured_edf", color=BLUE))
     warnings = " ".join(_Picture(tmp_path, surface, samples=1, size=8).warnings)
     assert "ND_ours_bsdf" in warnings and "emits alike in all directions" in warnings
 
@@ -257,6 +322,7 @@ GRAPHS = {
                dict(base=1.0, base_color=RED, coat=0.7, coat_roughness=0.2, specular_roughness=0.5),
                dict(base=1.0, base_color=RED, sheen=1.0, sheen_roughness=0.4, specular=0.5),
                dict(base=0.5, emission=1.0, emission_color=(0.1, 0.2, 0.3)),
+               dict(base=0.5, emission=1.0, emission_color=(0.1, 0.2, 0.3), coat=0.8, coat_color=BLUE),
                dict(base=1.0, base_color=RED, subsurface=0.5, subsurface_color=GOLD, subsurface_radius=(0.2, 0.1, 0.05)),
                dict(base=1.0, base_color=GOLD, metalness=1.0, coat=1.0, coat_color=BLUE, specular_roughness=0.4)],
     OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),

@@ -253,6 +253,53 @@ def test_splats_move(tmp_path):
     AssertAre(pictures, reference, 5e-3)
 
 
+@pytest.mark.parametrize("names", [("orientations",), ("scales",), ("opacities",), ("positions", "orientations", "scales", "opacities")],
+                         ids=lambda names: names[0])
+def test_shapes_move(names, tmp_path):
+    """Blur of a cloud that turns, grows and fades is the mean of the pictures on the way, by OpenUSD's own values of the arrays."""
+    cloud = splats.RandomCloud(12, 1, 7, size=(0.1, 0.8), opacity=(0.4, 1.0))
+    other = {**splats.OtherShapes(cloud, 8, 150.0), "positions": cloud["positions"] + (0.4, 0.0, 0.0)}
+    stage = NewStage(tmp_path / "a.usda")
+    prim = splats.AddSplats(stage, "/World/Splats", cloud)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera"))
+    camera.CreateShutterOpenAttr(0.0)
+    camera.CreateShutterCloseAttr(1.0)
+    for time, arrays in ((0.0, cloud), (0.6, other), (1.0, cloud)):
+        splats.SetArrays(prim, {name: arrays[name] for name in names}, timeCode=time)
+    stage.GetRootLayer().Save()
+    renderer = hdstream.Renderer(str(tmp_path / "a.usda"))
+    settings = dict(imageWidth=SIZE, imageHeight=SIZE, camera="/World/Camera", pixelFilter="box", pixelFilterWidth=1.0, maxDepth=0,
+                    noCache=True, samples=128)
+    pictures = np.array([renderer.Render(0.0, seed=1 + i, **settings).aovs["color"] for i in range(6)], np.float64)
+    values = lambda name, time: np.array([(q.real, *q.imaginary) for q in prim.GetAttribute(name).Get(time)]
+                                         if name == "orientations" else prim.GetAttribute(name).Get(time), np.float64)
+    reference = np.mean([Reference([({**cloud, **{name: values(name, time) for name in names}}, np.eye(4))])
+                         for time in (np.arange(24) + 0.5) / 24], 0)
+    AssertAre(pictures, reference, 5e-3)
+    still = Reference([(cloud, np.eye(4))])
+    assert np.abs(still - reference).mean() > 0.01, "the test would show little"
+
+
+def test_arrays_that_change_in_number_are_at_rest(tmp_path):
+    cloud = splats.RandomCloud(6, 1, 7)
+    stage = NewStage(tmp_path / "a.usda")
+    prim = splats.AddSplats(stage, "/World/Splats", cloud)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera"))
+    camera.CreateShutterOpenAttr(0.0)
+    camera.CreateShutterCloseAttr(1.0)
+    stage.GetRootLayer().Save()
+    lines = []
+    settings = dict(imageWidth=SIZE, imageHeight=SIZE, camera="/World/Camera", noCache=True, samples=4)
+    render = lambda: hdstream.Renderer(str(tmp_path / "a.usda"), onWarning=lines.append).Render(0.0, **settings).aovs["color"]
+    still = render()
+    splats.SetArrays(prim, {"scales": cloud["scales"]}, timeCode=0.0)
+    splats.SetArrays(prim, {"scales": cloud["scales"][:5]}, timeCode=0.5)
+    stage.GetRootLayer().Save()
+    assert np.array_equal(render(), still)
+    assert [line for line in lines if "number" in line] == [
+        "/World/Splats: its points change in number while the shutter is open: drawn without motion blur"]
+
+
 @pytest.mark.parametrize("change, line", [
     (dict(scales=np.ones((3, 3))), "scales ignored: they need 5 x 3 numbers, have 3 x 3"),
     (dict(opacities=np.array([1, 1, 1, 1, 0.001])), "1 splats dropped: no scale or orientation, or an opacity below 1/255"),

@@ -6,7 +6,7 @@ import pathlib
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, UsdVol, Vt
 
-from . import author, curves, imageFile, shapes, smoke
+from . import author, curves, imageFile, shapes, smoke, splats
 
 FRAME = 1.0
 SHUTTER = (-0.5, 0.5)
@@ -181,6 +181,18 @@ def _AddReturningSwarm(stage):
     places = np.array([(-1.2, 0, 0), (1.2, 0, 0), (0, -1, 0)])
     ways = np.array([(0, 1.5, 0), (-0.8, 0.3, 0), (1.0, 0.0, 0.2)])
     _SetOverSteps(swarm.CreatePositionsAttr(), lambda part: _Float3s(places + ways * np.sin(np.pi * part)))
+
+
+def _AddTurningSplats(stage):
+    """Splats that turn, grow, fade and go there and back, without light of their own on the wall."""
+    cloud = splats.RandomCloud(60, 1, 8, reach=1.3, size=(0.05, 0.6), opacity=(0.3, 1.0))
+    cloud["coefficients"] *= 0.5
+    prim = splats.AddSplats(stage, "/World/Splats", cloud)
+    other = splats.OtherShapes(cloud, 9)
+    ends = {name: cloud[name] for name in other}
+    ways = np.random.default_rng(10).uniform(-0.7, 0.7, cloud["positions"].shape)
+    for frame, shapes_, way in ((0.5, ends, 0.0), (0.9, other, 1.0), (1.5, ends, 0.0)):
+        splats.SetArrays(prim, {**shapes_, "positions": cloud["positions"] + way * ways}, timeCode=frame)
 
 
 def _AddNothing(stage):
@@ -372,7 +384,7 @@ SCENES = {
 # What has samples within the shutter's interval, more than at its ends.
 KEYS = {
     "returns": _AddReturningPolygons, "uneven": _AddUnevenSurface, "growing": _AddGrowingHair, "thrown": _AddThrownPoints,
-    "swarm": _AddReturningSwarm,
+    "swarm": _AddReturningSwarm, "splats": _AddTurningSplats,
 }
 # Lights that move. Their pictures need more stills: what moves is bright, or sharp.
 LIGHTS = {

@@ -39,11 +39,16 @@ def test_other_forms_give_the_same_bits(Scene, settings):
     Scene.AssertStreams(geometryMemory="20%", **settings)
 
 
-def test_splats_that_move_stream(tmp_path):
+@pytest.mark.parametrize("shapesMove", [False, True], ids=["centres", "shapes"])
+def test_splats_that_move_stream(shapesMove, tmp_path):
     path = str(tmp_path / "stage.usda")
     stage = author.NewStage(path)
     cloud = splats.RandomCloud(400, 2, 3, size=(0.03, 0.15))
-    positions = splats.AddSplats(stage, "/World/Cloud", cloud).GetAttribute("positions")
+    prim = splats.AddSplats(stage, "/World/Cloud", cloud)
+    if shapesMove:
+        splats.SetArrays(prim, {name: cloud[name] for name in ("orientations", "scales", "opacities")}, timeCode=0.0)
+        splats.SetArrays(prim, splats.OtherShapes(cloud, 4), timeCode=0.7)
+    positions = prim.GetAttribute("positions")
     for time, way in ((0.0, 0.0), (0.5, 0.3), (1.0, 0.4)):
         turned = cloud["positions"] + np.outer(way * np.arange(400) / 400, (1.0, 0.5, -0.2))
         positions.Set([Gf.Vec3f(*map(float, p)) for p in turned], time)

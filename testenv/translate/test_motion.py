@@ -169,6 +169,25 @@ def test_points_are_sampled_where_the_stage_has_samples():
     np.testing.assert_allclose([widths[0] for _, widths in geometry.widthSamples], [1, 1, 3, 3])
 
 
+def test_shapes_of_splats_are_sampled():
+    geometry = _Sampled("""
+        def ParticleField3DGaussianSplat "A"
+        {
+            point3f[] positions = [(0, 0, 0)]
+            quatf[] orientations.timeSamples = { 1: [(1, 0, 0, 0)], 2: [(0, 1, 0, 0)] }
+            float3[] scales.timeSamples = { 0.9: [(1, 2, 3)], 1.25: [(4, 2, 3)] }
+            half[] opacitiesh.timeSamples = { 0: [0], 2: [1] }
+        }
+        """)
+    assert geometry.samples == []
+    shapes = geometry.splatSamples
+    assert [time for time, _ in shapes.orientations] == [-0.25, 0.0, 0.5]
+    np.testing.assert_allclose(shapes.orientations[2][1], (np.sqrt(0.5), 0, 0, np.sqrt(0.5)), atol=1e-6)
+    np.testing.assert_allclose([time for time, _ in shapes.scales], [-0.25, -0.1, 0.25, 0.5], atol=1e-7)
+    np.testing.assert_array_equal(shapes.scales[-1][1], (4, 2, 3))
+    np.testing.assert_allclose([float(values[0]) for _, values in shapes.opacities], [0.375, 0.75])
+
+
 def test_accelerations_bend_the_way():
     geometry = _Sampled("""
         def Points "A"

@@ -115,6 +115,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"splats", {"curves", "cutouts"}},      // are solids that let rays pass
         {"deep", {"mattes"}},                   // keeps depths where these keep surfaces
         {"media", {"lobes"}},                   // lie below layered surfaces
+        {"dispersion", {"lobes"}},              // is of layered surfaces that refract
         {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
         {"mediaStack", {"cutouts", "lobes", "media"}}, // whose boundaries are passed as cut-outs
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media

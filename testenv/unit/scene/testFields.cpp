@@ -315,7 +315,8 @@ TEST(Fields, EachOfAMeshIsInThePagesKey) {
     for (const auto& one : VariationsOf(inputs)) {
         const bool isSample = one.path.rfind(".geometry.samples", 0) == 0 ||
                               one.path.rfind(".geometry.normalSamples", 0) == 0 ||
-                              one.path.rfind(".geometry.widthSamples", 0) == 0;
+                              one.path.rfind(".geometry.widthSamples", 0) == 0 ||
+                              one.path.rfind(".geometry.splatSamples", 0) == 0;
         EXPECT_EQ(MakeGeometryKey(one.value) != MakeGeometryKey(inputs), one.isInKey || isSample)
             << one.path;
     }

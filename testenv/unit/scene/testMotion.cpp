@@ -431,6 +431,47 @@ TEST(Motion, TimesThatMakeNoSenseSayNothing) {
     EXPECT_FALSE(Deforms(PointAlong({{std::nan(""), 0.0F}, {0.0, 1.0F}}), kShutter));
 }
 
+GeometryDescription Splat() {
+    GeometryDescription splat;
+    splat.primitives = PrimitiveKind::Splats;
+    splat.points = std::vector<float>{0.0F, 0.0F, 0.0F};
+    splat.primvars = {
+        {"orientations", Interpolation::Vertex, 4, std::vector<float>{0, 0, 0, 1}, {}},
+        {"opacities", Interpolation::Vertex, 1, std::vector<float>{0.5F}, {}}};
+    return splat;
+}
+
+/// Keys lie on the arc, are enough for chords to be near it, and are on one side of it whatever the
+/// signs of the samples.
+TEST(Motion, ShapesOfSplatsMove) {
+    constexpr double kAngle = 2.4; // the half of what it turns by is 1.2 in half of the shutter
+    GeometryDescription splat = Splat();
+    const auto turn = [](double angle, float scale) {
+        return std::vector<float>{0.0F, 0.0F, scale * static_cast<float>(std::sin(angle / 2)),
+                                  scale * static_cast<float>(std::cos(angle / 2))};
+    };
+    splat.splatSamples.Edit().orientations = {
+        {-0.25, turn(0.0, 1.0F)}, {0.0, turn(kAngle, -1.0F)}, {0.25, turn(2 * kAngle, 1.0F)}};
+    splat.splatSamples.Edit().opacities = {{-0.25, std::vector<float>{0.0F}},
+                                           {0.25, std::vector<float>{1.0F}}};
+    ASSERT_TRUE(Deforms(splat, kShutter));
+    const auto posed = AtShutter(splat, kShutter);
+    ASSERT_EQ(posed->keys.size(), 5U) << "2 * 1.2 / 0.49 at least";
+    EXPECT_EQ(posed->primvars[1].values[0], 0.0F);
+    EXPECT_FLOAT_EQ(posed->keys[2].opacities[0], 0.6F);
+    for (int i = 0; i < 5; ++i) {
+        const std::vector<float> expected = turn(2.0 * kAngle * (i + 1) / 5.0, 1.0F);
+        for (int k = 0; k < 4; ++k) {
+            EXPECT_NEAR(posed->keys[i].orientations[k], expected[k], 1e-6) << i;
+        }
+    }
+    EXPECT_FALSE(posed->splatSamples.IsApart());
+    splat.splatSamples.Edit().orientations.clear();
+    EXPECT_EQ(AtShutter(splat, kShutter)->keys.size(), 1U);
+    splat.splatSamples.Edit().opacities[1].values = std::vector<float>{1.0F, 1.0F};
+    EXPECT_FALSE(Deforms(splat, kShutter)) << "of another length";
+}
+
 TEST(Motion, WidthsMoveWithoutPoints) {
     GeometryDescription dust;
     dust.primitives = PrimitiveKind::Points;

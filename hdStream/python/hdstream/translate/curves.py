@@ -7,7 +7,7 @@ from pxr import Vt
 from hdstream import _core
 from hdstream.translate import hermite, nurbs
 from hdstream.translate.meshes import OrAgain, PosePoints, PoseSamples, ReadArray, ReadPoints
-from hdstream.translate.motion import SampleAt
+from hdstream.translate.motion import CHANGES_IN_NUMBER, SampleAt
 from hdstream.translate.primvars import FloatRows, INTERPOLATIONS, PrimvarsOf
 
 _DEFAULT_WIDTH = 1.0  # as UsdImaging has it
@@ -86,7 +86,10 @@ def _ReadHermiteCurves(prim, names, inherited, timeCode, motion, warn):
     curves.points = shape.Of(points, tangents)
     curves.faceVertexCounts = shape.bezierCounts
     samples = motion.PointSamplesOf(prim, names, len(points), warn, ("curveVertexCounts",))
-    tangentSamples = motion.ArraySamplesOf(prim, "tangents", len(points), warn)
+    tangentSamples = motion.ArraySamplesOf(prim, "tangents", len(points))
+    if tangentSamples is None:
+        warn(prim, CHANGES_IN_NUMBER)
+        tangentSamples = []
     curves.samples = [(time, shape.Of(SampleAt(samples, time, points), SampleAt(tangentSamples, time, tangents)))
                       for time in sorted({time for time, _ in samples + tangentSamples})]
     primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, _DEFAULT_WIDTH)

@@ -17,6 +17,8 @@ _NUM_STEPS = 8
 # And what accelerations or angular velocities move.
 _NUM_CURVED_STEPS = 16
 
+CHANGES_IN_NUMBER = "its points change in number while the shutter is open: drawn without motion blur"
+
 
 def ReadBlurScale(prim, timeCode, warn):
     """The motion:blurScale that holds for a prim, its own or inherited."""
@@ -135,13 +137,14 @@ class Motion:
         arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
         return _SamplesOrWarning(prim, self._Told(times), arrays, count, warn)
 
-    def ArraySamplesOf(self, prim, name, count, warn):
-        """(time, values) of an attribute with the places of `count` points."""
+    def ArraySamplesOf(self, prim, name, count):
+        """(time, values) of an attribute that has `count` of them; None where it has other numbers at some time."""
         attribute = prim.GetAttribute(name)
         if not self.isOn or not attribute or not attribute.ValueMightBeTimeVarying():
             return []
         times = self.TimesOf(prim, (name,))
-        return _SamplesOrWarning(prim, self._Told(times), [attribute.Get(self.At(time)) for time in times], count, warn)
+        arrays = [attribute.Get(self.At(time)) for time in times]
+        return _Samples(self._Told(times), arrays, count) if all(len(array or ()) == count for array in arrays) else None
 
     def _HasVelocities(self, prim, count):
         """Whether UsdGeom moves the points by them: they have a sample where the points have that before the frame."""
@@ -199,7 +202,7 @@ def _SamplesOrWarning(prim, times, arrays, count, warn):
     """_Samples of points, whose number has to stay."""
     samples = _Samples(times, arrays, count)
     if not samples and any(array is None or len(array) != count for array in arrays):
-        warn(prim, "its points change in number while the shutter is open: drawn without motion blur")
+        warn(prim, CHANGES_IN_NUMBER)
     return samples
 
 

@@ -4,22 +4,19 @@
 import numpy as np
 
 from hdstream import _core
+from hdstream.translate.motion import CHANGES_IN_NUMBER
 from hdstream.translate.primvars import PrimvarsOf
 from hdstream.translate.rereading import Again
 
 TYPE = "ParticleField3DGaussianSplat"
 _SHAPES = ("orientations", "scales", "opacities", "radiance:sphericalHarmonicsCoefficients")
+_MOVING = ("orientations", "scales", "opacities")
 _DEGREE = "radiance:sphericalHarmonicsDegree"
-
-
-def PositionsName(prim, timeCode):
-    """The attribute that has the positions: that of floats before that of halfs."""
-    return _NameOf(prim, "positions", timeCode)
 
 
 def ReadSplats(prim, names, inherited, timeCode):
     """The description of the splats; None where there are none."""
-    positions = PositionsName(prim, timeCode)
+    positions = _NameOf(prim, "positions", timeCode)
     points = _Read(prim, positions, timeCode)
     if points is None or points.ndim != 2 or points.shape[1] != 3:
         return None
@@ -37,6 +34,23 @@ def ReadSplats(prim, names, inherited, timeCode):
     if degree is not None:
         splats.primvars = splats.primvars + [_core.Primvar(_DEGREE, constant, np.array([degree], np.float32))]
     return splats
+
+
+def AddSamples(prim, splats, motion, timeCode, warn):
+    """What of the splats moves while the shutter is open."""
+    counts = {primvar.name: primvar.values.size // primvar.numComponents for primvar in splats.primvars}
+    counts["positions"] = len(splats.points)
+    samples = {name: motion.ArraySamplesOf(prim, _NameOf(prim, name, timeCode), counts[name])
+               for name in ("positions", *_MOVING) if name in counts}
+    if None in samples.values():
+        warn(prim, CHANGES_IN_NUMBER)
+        return
+    splats.samples = samples.pop("positions")
+    if any(samples.values()):
+        shapes = _core.SplatSamples()
+        for name, own in samples.items():
+            setattr(shapes, name, own)
+        splats.splatSamples = shapes
 
 
 def _NameOf(prim, name, timeCode):

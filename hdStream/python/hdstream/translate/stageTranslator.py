@@ -351,8 +351,7 @@ class StageTranslator:
     def _OnSplats(self, prim, schema, names, state, context):
         description = splats.ReadSplats(prim, names, state.primvars, self._timeCode)
         if description is not None:
-            description.samples = self.MotionOf(state).ArraySamplesOf(
-                prim, splats.PositionsName(prim, self._timeCode), len(description.points), self._reports.Warn)
+            splats.AddSamples(prim, description, self.MotionOf(state), self._timeCode, self._reports.Warn)
         self._AddSolid(prim, names, description, state, context)
         return state
 
