@@ -141,37 +141,17 @@ bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
     return true;
 }
 
-void GeometryPages::ReplaceChunk(std::uint32_t index, std::shared_ptr<ChunkPages> chunk) {
-    const auto bounded = std::find(_bounded.begin(), _bounded.end(), _chunks[index].get());
-    if (bounded != _bounded.end()) {
-        *bounded = chunk.get();
-    } else {
-        _exactBytes -= BytesOf(*_chunks[index]);
-        _bounded.push_back(chunk.get());
-    }
-    _chunks[index] = std::move(chunk);
-}
-
-void GeometryPages::AddInstanceChunks(const std::vector<std::shared_ptr<ChunkPages>>& chunks) {
-    for (const auto& chunk : chunks) {
-        _bounded.push_back(chunk.get());
-    }
-    _chunks.insert(_chunks.begin(), chunks.begin(), chunks.end());
-    _shouldStay.insert(_shouldStay.begin(), chunks.size(), false);
-    _numInstanceChunks += static_cast<std::uint32_t>(chunks.size());
-}
-
 std::uint64_t GeometryPages::TotalBytes(bool* isExact) const {
-    std::uint64_t boundedBytes = 0;
-    const auto isExactNow = [&](const ChunkPages* chunk) {
-        (chunk->IsExact() ? _exactBytes : boundedBytes) += BytesOf(*chunk);
-        return chunk->IsExact();
-    };
-    _bounded.erase(std::remove_if(_bounded.begin(), _bounded.end(), isExactNow), _bounded.end());
-    if (isExact != nullptr) {
-        *isExact = _bounded.empty();
+    std::uint64_t bytes = 0;
+    bool allExact = true;
+    for (const auto& chunk : _chunks) {
+        bytes += BytesOf(*chunk);
+        allExact = allExact && chunk->IsExact();
     }
-    return _exactBytes + boundedBytes;
+    if (isExact != nullptr) {
+        *isExact = allExact;
+    }
+    return bytes;
 }
 
 void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages) {

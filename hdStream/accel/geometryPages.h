@@ -66,14 +66,19 @@ public:
     explicit GeometryPages(PreparedPages* prepared) : _prepared(*prepared) {}
 
     void AddChunk(std::shared_ptr<ChunkPages> chunk) {
-        _bounded.push_back(chunk.get());
         _chunks.push_back(std::move(chunk));
         _shouldStay.push_back(false);
     }
     /// Puts a chunk in the place of another one.
-    void ReplaceChunk(std::uint32_t index, std::shared_ptr<ChunkPages> chunk);
+    void ReplaceChunk(std::uint32_t index, std::shared_ptr<ChunkPages> chunk) {
+        _chunks[index] = std::move(chunk);
+    }
     /// Chunks of instances come before all others (PageProvider::NumOuterPages).
-    void AddInstanceChunks(const std::vector<std::shared_ptr<ChunkPages>>& chunks);
+    void AddInstanceChunks(const std::vector<std::shared_ptr<ChunkPages>>& chunks) {
+        _chunks.insert(_chunks.begin(), chunks.begin(), chunks.end());
+        _shouldStay.insert(_shouldStay.begin(), chunks.size(), false);
+        _numInstanceChunks += static_cast<std::uint32_t>(chunks.size());
+    }
     /// The pages of chunks [first, first + count) are better kept once loaded.
     void Keep(std::uint32_t first, std::uint32_t count) {
         std::fill_n(_shouldStay.begin() + first, count, true);
@@ -83,8 +88,7 @@ public:
     /// forgotten again. \return false when `isCancelled` said so.
     bool PrepareAll(const std::function<bool()>& isCancelled);
 
-    /// Bytes of all pages: a look at the chunks whose bytes were no more than bounded when it was
-    /// last asked. \param[out] isExact whether they are no upper bound.
+    /// Bytes of all pages. \param[out] isExact whether they are no upper bound.
     std::uint64_t TotalBytes(bool* isExact = nullptr) const;
 
     std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_chunks.size()); }
@@ -124,9 +128,6 @@ private:
     std::vector<std::shared_ptr<ChunkPages>> _chunks;
     std::vector<bool> _shouldStay; ///< by chunk
     std::uint32_t _numInstanceChunks = 0;
-    // What an exact chunk has of bytes never changes: each chunk is in the list or in the sum.
-    mutable std::vector<const ChunkPages*> _bounded;
-    mutable std::uint64_t _exactBytes = 0;
 };
 
 } // namespace hds

@@ -116,48 +116,5 @@ TEST_F(PreparedPagesTest, CountsBeginAnew) {
     EXPECT_EQ(prepared.NumBuilt(), 3U);
 }
 
-/// The sum of the sizes of all pages, by a look at each.
-std::uint64_t SumOfSizes(const GeometryPages& pages, bool* isExact) {
-    std::uint64_t bytes = 0;
-    *isExact = true;
-    for (std::uint32_t page = 0; page < pages.NumPages(); ++page) {
-        bytes += pages.PageBytes(page);
-        *isExact = *isExact && pages.IsExact(page);
-    }
-    return bytes;
-}
-
-void ExpectTotalIsTheSum(const GeometryPages& pages) {
-    for (int i = 0; i < 2; ++i) { // what was counted is not counted again
-        bool isExact = false;
-        bool isSumExact = false;
-        EXPECT_EQ(pages.TotalBytes(&isExact), SumOfSizes(pages, &isSumExact));
-        EXPECT_EQ(isExact, isSumExact);
-    }
-}
-
-TEST_F(PreparedPagesTest, TotalBytesAreTheSumWhateverHappensToChunks) {
-    GeometryPages pages(&prepared);
-    for (std::size_t i = 0; i + 4 < chunks.size(); ++i) {
-        pages.AddChunk(chunks[i]);
-    }
-    ExpectTotalIsTheSum(pages);
-    prepared.Prepare(Want(0, 7)); // bounds become exact, by another owner
-    ExpectTotalIsTheSum(pages);
-    pages.ReplaceChunk(3, chunks[chunks.size() - 1]); // counted as exact
-    pages.ReplaceChunk(9, chunks[chunks.size() - 2]); // a bound
-    prepared.Prepare(Want(11, 12));
-    pages.ReplaceChunk(11, chunks[chunks.size() - 3]); // exact, and not counted yet
-    ExpectTotalIsTheSum(pages);
-    GeometryPages copy(pages);
-    copy.AddInstanceChunks({chunks[chunks.size() - 4]});
-    prepared.Prepare(Want(0, chunks.size()));
-    copy.ReplaceChunk(0, chunks[3]);
-    ExpectTotalIsTheSum(copy);
-    ExpectTotalIsTheSum(pages);
-    prepared.Clear(); // sizes stay
-    ExpectTotalIsTheSum(copy);
-}
-
 } // namespace
 } // namespace hds::test
