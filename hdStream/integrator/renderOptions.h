@@ -80,7 +80,7 @@ struct RenderOptions {
     /// to fine, and passes are short. The final picture is the same, but for the noise of domes
     /// that would have a guide (domeGuidePass.h).
     bool interactive = false;
-    bool learns = false;      ///< paths are for a guide: nothing depends on what cameras alone see
+    bool learns = false;      ///< paths are for a guide: holdouts are like other surfaces
     double passSeconds = 0.0; ///< that a pass is to take; 0: by who looks on
 
     /// Whether kernels have to know of bounds beside maxDepth.

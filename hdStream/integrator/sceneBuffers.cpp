@@ -73,17 +73,20 @@ void SceneBuffers::Upload(Table table, const HugeVector<T>& values) {
     _isInPlace[table] = true;
 }
 
-/// Where all bricks are there nobody asks what they may hold.
+/// Without a pool nobody asks what bricks may hold: all of them are there.
 void SceneBuffers::UploadBrickBounds(const CommittedVolumes& volumes) {
-    std::vector<shared::HdsBrickBounds> all;
-    if (_textures.Pool() != nullptr) {
-        all.reserve(volumes.numBricks);
-        for (const auto& grid : volumes.prepared) {
-            const std::vector<shared::HdsBrickBounds>& own = grid->description.bounds;
-            all.insert(all.end(), own.begin(), own.end());
-        }
+    const PreparedGrids grids = _textures.Pool() != nullptr ? volumes.prepared : PreparedGrids();
+    if (_tables[BrickBounds].IsValid() && grids == _boundedGrids) {
+        return;
     }
+    std::vector<shared::HdsBrickBounds> all;
+    for (const auto& grid : grids) {
+        const std::vector<shared::HdsBrickBounds>& own = grid->description.bounds;
+        all.insert(all.end(), own.begin(), own.end());
+    }
+    _boundedGrids.clear(); // until they are there
     Upload(BrickBounds, all);
+    _boundedGrids = grids;
 }
 
 void SceneBuffers::Upload(Table table, const void* values, std::uint64_t bytes) {

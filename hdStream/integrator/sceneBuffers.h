@@ -151,6 +151,7 @@ private:
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
     bool _hasDomeGuide = false;
+    PreparedGrids _boundedGrids; ///< whose bounds are in BrickBounds
     std::uint32_t _numVolumes = 0;
     FlatGeometry _flat;
     SceneTextures _textures;

@@ -65,14 +65,14 @@ void WaveTracer::BeginDomeGuide(const std::array<float, 3>& camera, float scale)
         _queues.SetCounter(HDS_GUIDE_CAMERA + axis, BitsOf(camera[axis]));
     }
     _queues.SetCounter(HDS_GUIDE_SCALE, BitsOf(scale));
-    _raysBeforeGuide = _statistics->indirectRays;
 }
 
 double WaveTracer::ReadDomeGuideShare() const {
     std::uint32_t escaped = 0;
+    std::uint32_t ended = 0;
     _queues.ReadWords(HDS_GUIDE_ESCAPED, 1, &escaped);
-    const std::uint64_t sent = _statistics->indirectRays - _raysBeforeGuide;
-    return sent == 0 ? 0.0 : double(escaped) / double(sent);
+    _queues.ReadWords(HDS_GUIDE_ENDED, 1, &ended);
+    return ended == 0 ? 0.0 : double(escaped) / double(ended);
 }
 
 std::vector<std::uint32_t> WaveTracer::ReadDomeGuide() const {

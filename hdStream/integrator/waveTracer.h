@@ -74,7 +74,7 @@ public:
     /// Between the first and the last of these, rays that meet nothing are counted for the guide of
     /// domes. \param scale factor on throughput, for 1 at the camera.
     void BeginDomeGuide(const std::array<float, 3>& camera, float scale);
-    /// Of the rays that surfaces have sent on: the share of those that were counted.
+    /// Of the rays that surfaces have sent on and that have ended: the share of those counted.
     double ReadDomeGuideShare() const;
     std::vector<std::uint32_t> ReadDomeGuide() const;
     /// Clears all counters, too.
@@ -104,7 +104,6 @@ private:
     std::shared_ptr<Device> _device;
     SceneBuffers* _buffers;
     RenderStatistics* _statistics;
-    std::uint64_t _raysBeforeGuide = 0;
     StageKernels* _kernels = nullptr;
     bool _hasCutouts = false;
     bool _hasLists = false; ///< what waits goes on by itself

@@ -165,6 +165,9 @@ public:
         if (connected) {
             return *connected;
         }
+        if (source != nullptr) {
+            _network.Warn(_walks[size].EndText(node));
+        }
         Matrix matrix = Diagonal(size, diagonal);
         const auto found = node.parameters.find(input);
         const auto* numbers = found == node.parameters.end()
@@ -174,9 +177,7 @@ public:
             for (std::uint32_t i = 0; i < size * size; ++i) {
                 matrix.at[i / size][i % size] = MakeScalar((*numbers)[i]);
             }
-        } else if (source != nullptr) {
-            _network.Warn(_walks[size].EndText(node));
-        } else if (numbers != nullptr) {
+        } else if (source == nullptr && numbers != nullptr) {
             _network.Warn("input " + input + " of " + node.path + " is no matrix of " +
                           std::to_string(size) + " rows");
         }

@@ -21,10 +21,12 @@ TexelWaiters::TexelWaiters(std::uint32_t numLaunched, std::vector<std::uint32_t>
       _limit(std::numeric_limits<std::size_t>::max()) {}
 
 void TexelWaiters::Continue(const TexturePool::Outcome& outcome) {
+    const bool wasDenied = std::exchange(_isAloneDenied, false);
     if (_numWaiting < _numLaunched) {
         _limit = std::max(_limit, std::min(_limit, _items.size()) * kGrow);
     } else if (outcome.numDenied > 0) {
-        if (_numLaunched == 1) {
+        _isAloneDenied = _numLaunched == 1;
+        if (wasDenied && _isAloneDenied) {
             throw Error("--textureMemory: too small for the texture lines of one surface point");
         }
         _limit = std::max<std::size_t>(1, _numLaunched / kShrink);

@@ -12,7 +12,8 @@ namespace hds {
 
 /// Items that are to be launched again. As long as rounds of requests find room for what is asked
 /// for, all go together; when they do not and nothing gets done, fewer and fewer, in the end one
-/// alone, which always finds room. Externally synchronised.
+/// alone. That finds room, if not at once: a walk that waits in the middle goes on from there, and
+/// then lines that it has used before may go. Externally synchronised.
 ///
 ///     TexelWaiters waiters(numLaunched, items that wait);
 ///     while (!waiters.IsEmpty()) {
@@ -35,8 +36,9 @@ public:
 private:
     std::vector<std::uint32_t> _items;
     std::size_t _numLaunched;
-    std::size_t _numWaiting; ///< of these
-    std::size_t _limit;      ///< of the next launch
+    std::size_t _numWaiting;     ///< of these
+    std::size_t _limit;          ///< of the next launch
+    bool _isAloneDenied = false; ///< one item alone has just found no room
 };
 
 } // namespace hds

@@ -44,9 +44,7 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
-    const uint kind =
-        (frame->flags & HDS_FRAME_LEARNS) != 0u ? HDS_RAY_KIND_DIFFUSE : HDS_RAY_KIND_CAMERA;
-    path_store_status(paths, i, (uint4)(pixel, sample, kind << HDS_PATH_KIND_SHIFT, 0u));
+    path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
 #if !HDS_CAMERA_RAYS_ARE_ALIKE
     float4 throughput = path_cameraThroughput(frame);
 #if HDS_FEATURE_CAMERA_LENS

@@ -232,6 +232,9 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     HdsShadeLists lists;
     lists.next.count = 0u;
     lists.shadows.count = 0u;
+#if HDS_FEATURE_DOME_GUIDE
+    lists.numEnded = 0u;
+#endif
     HdsShadeHits hits;
     hits.count = 0u;
 #if HDS_SHADE_WIDE
@@ -273,4 +276,9 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
 #endif
     items_flush(&lists.next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
     items_flush(&lists.shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
+#if HDS_FEATURE_DOME_GUIDE
+    if (lists.numEnded > 0u && as_float(counters[HDS_GUIDE_SCALE]) > 0.0f) {
+        atomic_add(&counters[HDS_GUIDE_ENDED], lists.numEnded);
+    }
+#endif
 }

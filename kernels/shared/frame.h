@@ -17,7 +17,7 @@
 #define HDS_FRAME_ROULETTE 2u
 #define HDS_FRAME_CAMERA_MOVES 4u  /* cameraKeys hold; clip planes are in camera space */
 #define HDS_FRAME_GLASS_SHADOWS 8u /* shadow rays pass materials with HDS_MATERIAL_GLASS */
-#define HDS_FRAME_LEARNS 16u /* camera rays see what diffuse rays do, no holdouts or catchers */
+#define HDS_FRAME_LEARNS 16u       /* paths are for a guide: holdouts are like other surfaces */
 
 /* HdsFrameParams.projection: what film coordinates are. */
 #define HDS_PROJECTION_FILM 0u        /* of the plane at distance 1, or of the orthographic film */
@@ -55,6 +55,7 @@
 #define HDS_GUIDE_CAMERA 32  /* f32[3] */
 #define HDS_GUIDE_SCALE 35   /* f32: factor on throughput, for 1 at the camera; 0: do not count */
 #define HDS_GUIDE_ESCAPED 48 /* rays that were counted */
+#define HDS_GUIDE_ENDED 49   /* rays that surfaces have sent on, and that have ended somewhere */
 #define HDS_GUIDE_CELLS \
     64 /* [HDS_GUIDE_PLACES][HDS_GUIDE_ROWS][HDS_GUIDE_COLUMNS]: up to 255 a ray */
 

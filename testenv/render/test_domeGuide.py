@@ -104,12 +104,12 @@ def test_an_open_sky_has_no_guide(gray, tmp_path):
     assert _Draw(stage).rgb.tobytes() == _Draw(stage, interactive=True).rgb.tobytes()
 
 
-@pytest.mark.parametrize("name", ["hdstream:holdout", "hdstream:shadowCatcher", "hdstream:visibility:camera"])
-def test_what_cameras_alone_see_changes_no_guide(name, tmp_path):
+@pytest.mark.parametrize("name", ["hdstream:holdout", "hdstream:shadowCatcher"])
+def test_what_passes_leave_out_changes_no_guide(name, tmp_path):
     """Where the box is not before the camera, the bits are those of the plain picture, as compositing needs it."""
     def Say(stage):
         box = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Box"))
-        box.CreatePrimvar(name, Sdf.ValueTypeNames.Bool, "constant").Set(name != "hdstream:visibility:camera")
+        box.CreatePrimvar(name, Sdf.ValueTypeNames.Bool, "constant").Set(True)
 
     layers = ("color", "primId")
     plain, said = (ours.Render(_Room(tmp_path / "room.usda", edit=edit), WIDTH, HEIGHT, layers, samples=8, maxDepth=3).layers
@@ -124,6 +124,18 @@ def test_what_cameras_alone_see_changes_no_guide(name, tmp_path):
     assert not np.array_equal(plain["color"][isBox], said["color"][isBox])
     interactive = _Draw(_Room(tmp_path / "room.usda"), interactive=True)  # there is a guide
     assert not np.array_equal(interactive.layers["color"][~near], plain["color"][~near])
+
+
+def test_a_wall_that_cameras_do_not_see_hides_no_room(tmp_path):
+    """A camera outside that looks through it: the room is learnt."""
+    def Cut(stage):
+        UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Front")).CreatePrimvar(
+            "hdstream:visibility:camera", Sdf.ValueTypeNames.Bool, "constant").Set(False)
+        author.AddCamera(stage, "/World/Camera", (0, 1.5, 6), (0, 1.0, 0), focalLength=30.0)
+
+    stage = _Room(tmp_path / "room.usda", sun=False, edit=Cut)
+    reference = np.mean([_Draw(stage, seed=seed, samples=256, interactive=seed % 2 == 0).rgb for seed in range(11, 15)], 0)
+    assert _Error(stage, reference) < 0.6 * _Error(stage, reference, interactive=True)
 
 
 def test_a_session_forgets_the_guide(tmp_path):

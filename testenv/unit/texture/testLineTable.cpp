@@ -126,8 +126,17 @@ TEST(TexelWaiters, EndWhateverFitsAtOnce) {
     }
 }
 
-TEST(TexelWaiters, OneItemThatFindsNoRoomIsAnError) {
+TEST(TexelWaiters, OneItemThatFindsNoRoomTwiceIsAnError) {
     TexelWaiters waiters(1, {7});
+    const auto waitAgain = [&](const TexturePool::Outcome& outcome) {
+        waiters.Continue(outcome);
+        waiters.Return(waiters.Take());
+    };
+    for (int step = 0; step < 5; ++step) { // of a walk, which has let go what it used before
+        waitAgain({0, 1});
+        waitAgain({1, 0});
+    }
+    waitAgain({0, 1});
     EXPECT_THROW(waiters.Continue({0, 1}), Error);
 }
 
