@@ -131,7 +131,8 @@ def test_a_wall_that_cameras_do_not_see_hides_no_room(tmp_path):
     def Cut(stage):
         UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Front")).CreatePrimvar(
             "hdstream:visibility:camera", Sdf.ValueTypeNames.Bool, "constant").Set(False)
-        author.AddCamera(stage, "/World/Camera", (0, 1.5, 6), (0, 1.0, 0), focalLength=30.0)
+        stage.RemovePrim("/World/Camera")
+        author.AddCamera(stage, "/World/Camera", (0, 1.5, 6), (0, 1.0, 0), focalLength=50.0)
 
     stage = _Room(tmp_path / "room.usda", sun=False, edit=Cut)
     reference = np.mean([_Draw(stage, seed=seed, samples=256, interactive=seed % 2 == 0).rgb for seed in range(11, 15)], 0)
