@@ -191,7 +191,7 @@ def test_what_bounds_of_blocks_decide_is_what_voxels_do(tmp_path):
     which is no grey by a millionth, nearly all collisions read."""
     path = volumeCase.Stage(tmp_path / "s.usda", lights=(("Dome", {}), ("Rect", {})), add=_AddWall)
     expected = volumeCase.Render(path, _Grey(), samples=8, residency="resident")[0]["color"]
-    for settings in (dict(textureMemory="100%"), dict(textureMemory="5%"), dict(volumeMemory="16K", waveSize=64)):
+    for settings in (dict(textureMemory="100%"), dict(textureMemory="5%"), dict(volumeMemory="4K", waveSize=64)):
         layers, grey, _ = volumeCase.Render(path, _Grey(), samples=8, residency="stream", **settings)
         assert np.array_equal(layers["color"], expected), settings
     almost, colored, _ = volumeCase.Render(path, _Grey((12.0, 12.0, 12.00001)), samples=8, residency="stream", textureMemory="100%")
