@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/motion.h"
 
-#include "hdStream/geometry/splatSource.h"
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/sceneIndexPlugins.h"

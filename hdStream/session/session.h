@@ -15,6 +15,7 @@
 #include "hdStream/geometry/carriedNormals.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/geometry/limitCage.h"
+#include "hdStream/geometry/splatSource.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/persist/packageFile.h"
 #include "hdStream/scene/cameraAttributes.h"

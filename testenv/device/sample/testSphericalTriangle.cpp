@@ -85,7 +85,8 @@ TEST_F(SphericalTriangleTest, SamplesAreUniformInSolidAngle) {
         ASSERT_NEAR(glm::length(d), 1.0, 1e-4);
         // Where the great circle through b and the direction meets the edge from a to c.
         const glm::dvec3 end = glm::cross(glm::cross(b, d), glm::cross(a, c));
-        const glm::dvec3 onEdge = end * (glm::dot(end, a + c) > 0.0 ? 1.0 : -1.0);
+        const glm::dvec3 onEdge =
+            end * (glm::dot(end, glm::normalize(a) + glm::normalize(c)) > 0.0 ? 1.0 : -1.0);
         const double share = SolidAngle(a, b, onEdge) / total;
         const auto fromB = [&](const glm::dvec3& v) {
             return 1.0 - glm::dot(glm::normalize(b), glm::normalize(v));
