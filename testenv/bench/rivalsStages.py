@@ -27,7 +27,6 @@ _GENERATED = {
     "wax": (matter.WriteWax, matter.MAX_DEPTH),
     "skyRoom": (rooms.WriteSkyRoom, rooms.MAX_DEPTH),
     "sunRoom": (rooms.WriteSunRoom, rooms.MAX_DEPTH),
-    "panelRoom": (rooms.WritePanelRoom, rooms.MAX_DEPTH),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }
 REAL = {  # name -> file below the folder of real scenes, camera
