@@ -78,7 +78,7 @@ def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list
 def _Options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", default=os.environ.get("HDSTREAM_SCENES"), help="folder of the real stages (HDSTREAM_SCENES)")
-    parser.add_argument("--stages", type=_Split, help="default: all real ones, forest, grove; an unknown name lists all")
+    parser.add_argument("--stages", type=_Split, help="default: all real ones, large ones and rooms; an unknown name lists all")
     parser.add_argument("--renderers", type=_Split, default=list(RENDERERS),
                         help=f"of {', '.join(RENDERERS)}; the first is compared with".replace("%", "%%"))
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")

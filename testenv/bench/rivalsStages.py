@@ -41,8 +41,8 @@ NAMES = [*REAL, *_GENERATED, *CASES]
 
 
 def Default(scenes: str | None) -> list[str]:
-    """All real stages where their folder is given, and the generated ones that stand for large scenes."""
-    return [*(REAL if scenes else ()), "forest", "grove"]
+    """All real stages where their folder is given, and the generated ones that stand for large scenes and for rooms below a sky."""
+    return [*(REAL if scenes else ()), "grove", "skyRoom", "sunRoom", "forest"]
 
 
 def Make(name: str, scenes: str | None, folder: pathlib.Path) -> StageFile:
