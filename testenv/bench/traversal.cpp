@@ -254,6 +254,7 @@ public:
                                   {"HDS_FEATURE_CUTOUT", "0"},
                                   {"HDS_FEATURE_MOTION", "0"},
                                   {"HDS_FEATURE_CURVES", "0"},
+                                  {"HDS_FEATURE_SPLATS", "0"}, // they need curves
                                   {"HDS_NUM_POOLS", "1"}};
         if (!_scene.Flat().hasInstances) {
             defines["HDS_FEATURE_FLAT_INSTANCES"] = "0";
