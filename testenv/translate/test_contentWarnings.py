@@ -102,6 +102,14 @@ def test_one_line_names_the_prim(text, expected):
     assert all("\n" not in line for line in warnings)
 
 
+def test_bindings_without_their_schema_are_one_line():
+    """OpenUSD has one a prim, and some exporters' stages are full of such prims."""
+    prims = "".join(f'def Sphere "{name}" {{ rel material:binding = </M> }}\n' for name in ("E", "C", "D"))
+    look = LOOK.format(source="</M/T.outputs:result>")
+    assert WarningsOf(prims + look) == ["/C: material bindings without MaterialBindingAPI, which not every OpenUSD takes: 3 prims"]
+    assert WarningsOf(look) == []
+
+
 @pytest.mark.parametrize("text", ['def "A" (references = </A>) {}', 'def "A" (references = </B>) {}\ndef "B" (references = </A>) {}'])
 def test_a_cycle_of_references_is_one_line_a_prim(text):
     warnings = WarningsOf(text)

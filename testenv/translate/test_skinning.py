@@ -336,3 +336,33 @@ def test_singular_skeletons_are_quiet():
     stage = Bending()
     stage.GetPrimAtPath("/Arm/Skeleton").GetAttribute("bindTransforms").Set([Gf.Matrix4d(0.0)] * 2)
     Translate(stage, 2.5)
+
+
+def _Warned(edit):
+    """The warnings of the arm after an edit, and whether its rigid part was moved."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(Sdf.Layer.FindOrOpen(STAGE).ExportToString())
+    stage = Usd.Stage.Open(layer)
+    rest = np.array(stage.GetPrimAtPath("/Arm/Rigid").GetAttribute("points").Get())
+    edit(stage)
+    session = Translate(stage, 2.5)
+    (moved,) = [prim.geometry.points for path, prim in session.Scene().geometry.items() if path.endswith("/Rigid")]
+    return session.Warnings(), not np.array_equal(moved, rest)
+
+
+def _SetJoint(stage):
+    stage.GetPrimAtPath("/Arm/Rigid").GetAttribute("primvars:skel:jointIndices").Set([7])
+
+
+@pytest.mark.parametrize("edit, told", [
+    (lambda stage: None, None),
+    (lambda stage: stage.GetPrimAtPath("/Arm/Rigid").RemoveAppliedSchema("SkelBindingAPI"), "has no SkelBindingAPI; drawn at rest: 1 prim"),
+    (lambda stage: stage.GetPrimAtPath("/Arm").SetTypeName("Xform"), "is below no SkelRoot; drawn at rest: "),
+    (lambda stage: stage.RemovePrim("/Arm/Skeleton"), "has no skeleton that they fit; drawn at rest: "),
+    (_SetJoint, "/Arm/Rigid: its joint influences do not fit; drawn unskinned"),
+])
+def test_what_cannot_be_skinned_is_told(edit, told):
+    """OpenUSD leaves such prims at rest without a word, or with one that does not name them."""
+    warnings, isMoved = _Warned(edit)
+    assert isMoved == (told is None)
+    assert len([line for line in warnings if told and told in line]) == (told is not None), warnings

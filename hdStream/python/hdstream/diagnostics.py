@@ -10,11 +10,13 @@ from pxr import Tf, UsdUtils
 
 from hdstream import materialXFiles
 from hdstream.errors import OneLine
+from hdstream.texts import NumPrimsText
 
 _ERROR = re.compile(r"Error in '.*?' at line \d+ in file .*? : '(.*?)'\s*(?=$|\n\s*Error in )", re.DOTALL)
 _CLIP = "Unable to open clip layer @"  # the translation says so, with the prim
 _UNOPENED = re.compile(r"Could not open asset @([^@]*\.mtlx)@", re.IGNORECASE)
 _PRIM = re.compile(r"^In <([^>]*)>: *(.*)$")
+_NOT_APPLIED = re.compile(r"^Found material bindings on prim at path \((.*)\) but MaterialBindingAPI is not applied on the prim$")
 _CYCLE = re.compile(r"Cycle detected:.*?(?= *\((?:instantiating|recomposing) |$)", re.DOTALL)  # each place on a line of its own
 _SESSION_LAYER = re.compile(r"@,@anon:[^@]*@")
 _ORIGIN = re.compile(r" *\((?:instantiating|recomposing)[^()]*stage on stage @[^@]*@ <[^>]*>\)\.?$")
@@ -27,13 +29,21 @@ class Diagnostics:
         self._delegate = UsdUtils.CoalescingDiagnosticDelegate()
 
     def Take(self):
-        """(subject, text) of everything since the last call, each once, in order."""
-        found = {}
+        """(subject, text) of everything since the last call, each once, in order; prims with bindings but no
+        MaterialBindingAPI, of which older exporters write a stage full, as one."""
+        found, notApplied = {}, set()
         for diagnostic in self._delegate.TakeUncoalescedDiagnostics():
             for line in _CYCLE.sub(_OneLineOfCycle, str(diagnostic.commentary)).splitlines():
                 entry = _Parse(line.strip())
-                if entry is not None and not _IsOutdated(entry[1]):
+                if entry is None or _IsOutdated(entry[1]):
+                    continue
+                if binding := _NOT_APPLIED.match(entry[1]):
+                    notApplied.add(binding.group(1))
+                else:
                     found[entry] = None
+        if notApplied:
+            count = NumPrimsText(len(notApplied))
+            found[min(notApplied), f"material bindings without MaterialBindingAPI, which not every OpenUSD takes: {count}"] = None
         return list(found)
 
     def WarnOf(self, session):

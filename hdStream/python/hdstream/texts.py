@@ -21,3 +21,8 @@ def SecondsText(seconds):
     minutes, rest = divmod(int(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+def NumPrimsText(count):
+    """A number of prims: 1 prim, 2 prims."""
+    return f"{count} prim" if count == 1 else f"{count} prims"

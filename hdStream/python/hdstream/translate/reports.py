@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a translation could not represent: one warning per prim, or per kind with its count."""
 
+from hdstream.texts import NumPrimsText
+
 
 class Reports:
     """Collects counted warnings and passes single ones on at once."""
@@ -20,9 +22,5 @@ class Reports:
     def Flush(self):
         """Writes the counted warnings: the first prim's path, then the text."""
         for text, (count, firstPath) in sorted(self._counts.items()):
-            self._session.Warn(firstPath, text.format(count=Plural(count)))
+            self._session.Warn(firstPath, text.format(count=NumPrimsText(count)))
         self._counts.clear()
-
-
-def Plural(count):
-    return f"{count} prim" if count == 1 else f"{count} prims"

@@ -9,6 +9,21 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
 _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+# What prims that are to be skinned have of their own.
+_INFLUENCES = frozenset(("primvars:skel:jointIndices", "skel:blendShapes"))
+
+
+def ReasonAtRest(prim, names):
+    """Why a prim that has joint influences or blend shapes is not skinned, to be counted; None for prims without."""
+    if _INFLUENCES.isdisjoint(names):
+        return None
+    if not UsdSkel.Root.Find(prim):
+        reason = "is below no SkelRoot"
+    elif not prim.HasAPI(UsdSkel.BindingAPI):
+        reason = "has no SkelBindingAPI"
+    else:
+        reason = "has no skeleton that they fit"
+    return f"has joint influences or blend shapes but {reason}; drawn at rest: {{count}}"
 
 
 class Skins:
@@ -144,6 +159,10 @@ class _Skinning:
         toLocal = (self._xforms.GetLocalToWorldTransform(skeleton.GetPrim())
                    * self._xforms.GetLocalToWorldTransform(prim).GetInverse())
         if query.IsRigidlyDeformed():
+            influences = query.ComputeJointInfluences(self._timeCode)
+            if influences is None or not all(0 <= joint < len(transforms) for joint in influences[0]):
+                self._warn(prim, "its joint influences do not fit; drawn unskinned")
+                return points
             toLocal = Gf.Matrix4d(query.ComputeSkinnedTransform(transforms, self._timeCode)) * toLocal
             return _Transformed(points, toLocal)
         moved = Vt.Vec3fArray(points)  # where it fails some points are moved

@@ -23,7 +23,7 @@ from hdstream.translate.motion import Motion, ReadBlurScale
 from hdstream.translate.passCollections import PassCollections
 from hdstream.translate.primState import PREDICATE, SKEL_BINDINGS, Context, State
 from hdstream.translate.reports import Reports
-from hdstream.translate.skinning import Skins
+from hdstream.translate.skinning import ReasonAtRest, Skins
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("ParticleField",)
@@ -304,7 +304,7 @@ class StageTranslator:
 
     def _OnMesh(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
-            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, self._SkinOf(prim, state))
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, self._SkinOf(prim, names, state))
         if mesh is None:
             self._WarnOfClips(prim)
             if lights.IsLight(prim):
@@ -337,7 +337,7 @@ class StageTranslator:
 
     def _OnCurves(self, prim, schema, names, state, context):
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self.MotionOf(state),
-                                        self._reports.Warn, self._SkinOf(prim, state))
+                                        self._reports.Warn, self._SkinOf(prim, names, state))
         if description is not None and schema != "BasisCurves" and description.curves.type == "linear":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
         self._AddSolid(prim, names, description, state, context)
@@ -345,7 +345,7 @@ class StageTranslator:
 
     def _OnPoints(self, prim, schema, names, state, context):
         self._AddSolid(prim, names, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self.MotionOf(state),
-                                                          self._reports.Warn, self._SkinOf(prim, state)), state, context)
+                                                          self._reports.Warn, self._SkinOf(prim, names, state)), state, context)
         return state
 
     def _OnSplats(self, prim, schema, names, state, context):
@@ -365,8 +365,11 @@ class StageTranslator:
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
 
-    def _SkinOf(self, prim, state):
-        return self._skins.Of(prim, state.skelRoot, self.MotionOf(state))
+    def _SkinOf(self, prim, names, state):
+        skin = self._skins.Of(prim, state.skelRoot, self.MotionOf(state))
+        if skin is None and (reason := ReasonAtRest(prim, names)):
+            self._reports.Count(prim, reason)
+        return skin
 
     def _AddSolid(self, prim, names, description, state, context):
         if description is None:
