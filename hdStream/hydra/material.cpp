@@ -53,9 +53,6 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
                                               resource.UncheckedGet<HdMaterialNetworkMap>())
                 : hds::MaterialNetwork());
         HdStreamFixMaterial(param->Exporter(), network.get());
-        if (network->terminals.count("surface") + network->terminals.count("volume") == 0) {
-            param->Warn(SdfPath(_scenePath), "material has no surface");
-        }
         param->Push([path = _scenePath, network](hds::Session& session) {
             session.SetMaterial(path, network);
         });

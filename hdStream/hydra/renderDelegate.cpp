@@ -276,8 +276,10 @@ TfTokenVector HdStreamRenderDelegate::GetMaterialRenderContexts() const {
     TfTokenVector contexts;
     if (hasMaterialX) {
         contexts.emplace_back("mtlx");
+        contexts.emplace_back("kma");
     }
     contexts.push_back(HdRenderContextTokens->universal);
+    contexts.emplace_back("glslfx");
     return contexts;
 }
 

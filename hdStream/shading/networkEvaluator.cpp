@@ -168,7 +168,10 @@ ShaderValue NetworkEvaluator::EvaluateOutput(const MaterialNode& node, const std
         return type->evaluate(*this, node, output);
     }
     if (node.identifier.compare(0, 3, "ND_") != 0) {
-        Warn("shader " + node.identifier + " of " + node.path + " is not supported here");
+        Warn("shader " +
+             (node.identifier.empty() ? node.path + ", which has no shader id,"
+                                      : node.identifier + " of " + node.path) +
+             " is not supported here");
         return {};
     }
     const auto key = std::make_pair(node.path, output);

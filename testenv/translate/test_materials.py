@@ -238,19 +238,43 @@ def test_udim_pattern_is_resolved(tmp_path):
     assert reference.file == str(tmp_path / "t.<UDIM>.png")
 
 
-@pytest.mark.parametrize("surface, drawn, warns", [
-    ("ND_standard_surface_surfaceshader", "Mtlx", False), ("ND_lama_surface", "Mtlx", False), ("ND_ours_surfaceshader", "Preview", True), ("", "Preview", True)])
-def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(surface, drawn, warns):
-    text = f"""def Material "M" {{
-        token outputs:mtlx:surface.connect = </M/Mtlx.outputs:out>
-        token outputs:surface.connect = </M/Preview.outputs:surface>
-        def Shader "Mtlx" {{ {f'uniform token info:id = "{surface}"' if surface else ''}
-            token outputs:out }}
-        def Shader "Preview" {{ uniform token info:id = "UsdPreviewSurface"
-            token outputs:surface }}
-    }}
-    def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""
-    session = Translate(StageOf(text))
-    assert session.Scene().materials["/M"].terminals["surface"].upstreamPath == f"/M/{drawn}"
-    lines = [line for line in session.Warnings() if "is not supported; the universal surface is used" in line]
-    assert len(lines) == warns and all(line.startswith("/M: ") for line in lines)
+_STANDARD, _PREVIEW, _UNKNOWN = "ND_standard_surface_surfaceshader", "UsdPreviewSurface", "ND_ours_surfaceshader"
+
+
+@pytest.mark.parametrize("surfaces, drawn, told", [
+    ({"mtlx": _STANDARD, "": _PREVIEW}, "mtlx", None), ({"mtlx": "ND_lama_surface", "": _PREVIEW}, "mtlx", None),
+    ({"mtlx": _UNKNOWN, "": _PREVIEW}, "", "the universal surface"), ({"mtlx": "", "": _PREVIEW}, "", "the universal surface"),
+    ({"kma": _STANDARD, "": _PREVIEW}, "kma", None), ({"mtlx": _STANDARD, "kma": _STANDARD}, "mtlx", None),
+    ({"kma": "kma_ours", "": _PREVIEW}, "", "the universal surface"), ({"mtlx": _UNKNOWN, "kma": _STANDARD}, "kma", "the surface of kma"),
+    ({"": _PREVIEW, "glslfx": _PREVIEW}, "", None), ({"": "PxrSurface", "glslfx": _PREVIEW}, "glslfx", "the surface of glslfx"),
+    ({"ri": "PxrSurface", "glslfx": _PREVIEW}, "glslfx", None), ({"mtlx": _UNKNOWN, "": "PxrSurface"}, "mtlx", None)])
+def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(surfaces, drawn, told):
+    """Of contexts in the order of docs/materials.md."""
+    outputs = "".join(f"token outputs:{f'{context}:' if context else ''}surface.connect = </M/S{context}.outputs:out>\n" for context in surfaces)
+    shaders = "".join(f"""def Shader "S{context}" {{ {f'uniform token info:id = "{surface}"' if surface else ''}
+        token outputs:out }}\n""" for context, surface in surfaces.items())
+    session = Translate(StageOf(f"""def Material "M" {{ {outputs}{shaders} }}
+    def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""))
+    assert session.Scene().materials["/M"].terminals["surface"].upstreamPath == f"/M/S{drawn}"
+    lines = [line for line in session.Warnings() if "is not supported; " in line]
+    assert [line.rpartition("; ")[2] for line in lines] == ([f"{told} is used"] if told else []) and all(line.startswith("/M: ") for line in lines)
+
+
+_SOURCE = """uniform token info:implementationSource = "sourceAsset"
+    uniform asset info:mdl:sourceAsset = @OmniPBR.mdl@
+    token outputs:out\n"""
+
+
+@pytest.mark.parametrize("body, expected", [
+    ("token outputs:surface", ["/M: material has no surface shader; displayColor is used"]),
+    (f'token outputs:surface.connect = </M/A.outputs:out>\ndef Shader "A" {{ {_SOURCE} }}',
+     ["/M: surface shader /M/A, which has no shader id, is not supported; displayColor is used"]),
+    (f"""token outputs:surface.connect = </M/P.outputs:surface>\ndef Shader "A" {{ {_SOURCE} }}
+        def Shader "P" {{ uniform token info:id = "UsdPreviewSurface"\ncolor3f inputs:diffuseColor.connect = </M/A.outputs:out>
+        token outputs:surface }}""", ["/M: shader /M/A, which has no shader id, is not supported here"]),
+])
+def test_what_is_not_drawn_is_one_line(body, expected):
+    session = Translate(StageOf(f"""def Material "M" {{ {body} }}
+    def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""))
+    session.Info()
+    assert [line for line in session.Warnings() if "no lights" not in line] == expected

@@ -15,8 +15,10 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 
 _TERMINALS = ("surface", "displacement", "volume")
-# Render contexts of terminals, best first: MaterialX, then the universal one.
-_CONTEXTS = ("mtlx:", "")
+# Render contexts of terminals, best first: MaterialX, Karma's (MaterialX as Houdini's Karma Material Builder writes it), the
+# universal one, and Storm's, where assets for another renderer have their preview.
+_CONTEXTS = {"mtlx:": "the surface of mtlx", "kma:": "the surface of kma", "": "the universal surface",
+             "glslfx:": "the surface of glslfx"}
 # Bindings of purpose "full" first, then those for all purposes, as every final renderer.
 BINDING_PURPOSE = "full"
 
@@ -93,22 +95,25 @@ class MaterialReader:
             if path not in nodes:
                 nodes[path] = self._ReadNode(shader, pending)
         if "surface" not in terminals and "volume" not in terminals:
-            self._warn(prim, self._ReasonWithoutSurface(material))
+            self._WarnOfOthers(material)
         return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals)
 
     def _FindTerminal(self, material, terminal):
         """The best context's source; of surfaces that of the first that is drawn, else of the first."""
-        found = []
+        found = {}
         for context in _CONTEXTS:
             output = material.GetOutput(context + terminal)
             source = _FindSource(output) if output else None
             if source is not None:
-                found.append(source)
-        drawn = found if terminal != "surface" else [source for source in found if _IsDrawn(source[2])]
-        if drawn and drawn[0] is not found[0]:
-            identifier = UsdShade.Shader(found[0][2]).GetShaderId() or "without an id"
-            self._warn(material.GetPrim(), f"surface shader {identifier} is not supported; the universal surface is used")
-        return (drawn or found or [None])[0]
+                found[context] = source
+        if not found:
+            return None
+        best = next(iter(found))
+        drawn = best if terminal != "surface" else next((context for context in found if _IsDrawn(found[context][2])), best)
+        if drawn != best:
+            identifier = UsdShade.Shader(found[best][2]).GetShaderId() or "without an id"
+            self._warn(material.GetPrim(), f"surface shader {identifier} is not supported; {_CONTEXTS[drawn]} is used")
+        return found[drawn]
 
     def _ReadNode(self, prim, pending):
         shader = UsdShade.Shader(prim)
@@ -126,10 +131,7 @@ class MaterialReader:
                 self._warn(prim, f"input {name} is connected to {missing}, which does not exist")
             if attributes:
                 self._ReadParameter(attributes[0], name, parameters)
-        identifier = shader.GetShaderId() or ""
-        if not identifier:
-            self._warn(prim, "shader without an id")
-        return _core.MaterialNode(prim.GetPath().pathString, identifier, parameters, connections)
+        return _core.MaterialNode(prim.GetPath().pathString, shader.GetShaderId() or "", parameters, connections)
 
     def _ReadParameter(self, attribute, name, parameters):
         value = attribute.Get(self._timeCode)
@@ -147,14 +149,14 @@ class MaterialReader:
         if space:
             parameters["colorSpace:" + name] = space
 
-    @staticmethod
-    def _ReasonWithoutSurface(material):
-        others = sorted({output.GetBaseName() for output in material.GetOutputs()})
-        if any(name.endswith(":surface") for name in others):
-            contexts = ", ".join(name[:-len(":surface")] for name in others
-                                 if name.endswith(":surface"))
-            return f"material has no UsdPreviewSurface or MaterialX surface, only {contexts}: not supported yet"
-        return "material has no surface"
+    def _WarnOfOthers(self, material):
+        """Names the contexts of the surfaces of a material that has none that is read, which commit warns of."""
+        ending = ":surface"
+        contexts = sorted({output.GetBaseName()[:-len(ending)] for output in material.GetOutputs()
+                           if output.GetBaseName().endswith(ending)})
+        if contexts:
+            self._warn(material.GetPrim(), "material has no UsdPreviewSurface or MaterialX surface, only "
+                                           f"{', '.join(contexts)}: not supported yet")
 
 
 def ParameterFrom(value):
