@@ -234,17 +234,20 @@ def test_vars_are_not_chosen_twice(tmp_path):
 
 
 def test_intrinsic_sources_are_known_by_their_usual_names(tmp_path, monkeypatch):
-    """As raw ones are: P is the position, cameraDepth an AOV of ours; what is neither is left out."""
+    """As raw ones are: P is the position, cameraDepth an AOV of ours; what is neither is left out, and what is no var."""
     monkeypatch.chdir(tmp_path)
     variables = "".join(f'        def RenderVar "{name}" {{ string sourceName = "{source}"\n            token sourceType = "{kind}" }}\n'
                         for name, source, kind in (("where", "P", "intrinsic"), ("far", "cameraDepth", "intrinsic"),
                                                    ("none", "curvature", "intrinsic")))
+    variables += '        def RenderVar "silent" { token sourceType = "lpe" }\n'
     products = _PRODUCTS.replace('    def Scope "Vars" {\n', '    def Scope "Vars" {\n' + variables).replace(
         "[</Render/Vars/beauty>, </Render/Vars/depth>, </Render/Vars/uv>]",
-        "[</Render/Vars/where>, </Render/Vars/far>, </Render/Vars/none>]")
+        "[</Render/Vars/where>, </Render/Vars/far>, </Render/Vars/none>, </Render/Vars/silent>, </Render/Vars/absent>]")
     result = RunHere("record", WriteStage(tmp_path, _BRIGHT + products), *_SELECT, "--frames", "1")
     assert result.code == 0, result.text
     assert "/Render/Vars/none: render var 'curvature' is not one of the AOVs; left out" in result.text
+    assert "/Render/Vars/silent: render var has no sourceName; left out" in result.text
+    assert "/Render/Vars/absent: is no render var; left out" in result.text
     _, found = exrFile.Read("main.0001.exr")
     assert set(found) == {"position.X", "position.Y", "position.Z", "cameraDepth.Z"}
     raw = WriteStage(tmp_path, _BRIGHT + products.replace('"intrinsic"', '"raw"'), "raw.usda")

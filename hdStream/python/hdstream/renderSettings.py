@@ -157,13 +157,17 @@ def _ReadVars(stage, product, settings, session):
 
 def AovOfVar(var, path, session):
     """The AOV that a render var (an invalid prim: none) shows; None, and a warning, for what is none of ours."""
-    source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
-    if source and var.GetAttribute("sourceType").Get() == "primvar":
+    isVar = var and var.IsA(UsdRender.Var)
+    source = var.GetAttribute("sourceName").Get() if isVar else None
+    if not source:
+        session.Warn(str(path), f"{'render var has no sourceName' if isVar else 'is no render var'}; left out")
+        return None
+    kind = var.GetAttribute("sourceType").Get()
+    if kind == "primvar":
         source = "primvars:" + (source[len("primvars:"):] if source.startswith("primvars:") else source)
-    kind = var.GetAttribute("sourceType").Get() if source else "raw"
     if kind == "lpe":
         return _LightPathOf(source, path)
-    name = _core.AovOfSource(source or "") or None
+    name = _core.AovOfSource(source) or None
     if kind not in ("raw", "intrinsic", "primvar"):
         session.Warn(str(path), f"render var of the type {kind!r}, which is not supported; left out")
         return None
