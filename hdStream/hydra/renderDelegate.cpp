@@ -270,7 +270,8 @@ TfToken HdStreamRenderDelegate::GetMaterialBindingPurpose() const {
 
 TfTokenVector HdStreamRenderDelegate::GetMaterialRenderContexts() const {
     // UsdImaging drops a network whose surface shader is not registered, and does not try the next
-    // context then: MaterialX is asked for where OpenUSD knows its nodes.
+    // context then: MaterialX is asked for where OpenUSD knows its nodes. Karma's context is
+    // MaterialX as Houdini writes it; Storm's may be the only one with a preview.
     static const bool hasMaterialX =
         SdrRegistry::GetInstance().GetShaderNodeByIdentifier(TfToken(kMaterialXSurface)) != nullptr;
     TfTokenVector contexts;

@@ -354,8 +354,17 @@ def _SetJoint(stage):
     stage.GetPrimAtPath("/Arm/Rigid").GetAttribute("primvars:skel:jointIndices").Set([7])
 
 
+def _SetOwnOrder(stage):
+    """Joints of the prim that the skeleton has fewer of."""
+    lower = stage.GetPrimAtPath("/Arm/Skeleton").GetAttribute("joints").Get()[1]
+    prim = stage.GetPrimAtPath("/Arm/Rigid")
+    prim.CreateAttribute("skel:joints", Sdf.ValueTypeNames.TokenArray).Set(["a", "b", lower])
+    prim.GetAttribute("primvars:skel:jointIndices").Set([2])
+
+
 @pytest.mark.parametrize("edit, told", [
     (lambda stage: None, None),
+    (_SetOwnOrder, None),
     (lambda stage: stage.GetPrimAtPath("/Arm/Rigid").RemoveAppliedSchema("SkelBindingAPI"), "has no SkelBindingAPI; drawn at rest: 1 prim"),
     (lambda stage: stage.GetPrimAtPath("/Arm").SetTypeName("Xform"), "is below no SkelRoot; drawn at rest: "),
     (lambda stage: stage.RemovePrim("/Arm/Skeleton"), "has no skeleton that they fit; drawn at rest: "),

@@ -160,7 +160,8 @@ class _Skinning:
                    * self._xforms.GetLocalToWorldTransform(prim).GetInverse())
         if query.IsRigidlyDeformed():
             influences = query.ComputeJointInfluences(self._timeCode)
-            if influences is None or not all(0 <= joint < len(transforms) for joint in influences[0]):
+            numJoints = len(query.GetJointOrder() or transforms)  # the prim may have an order of its own
+            if influences is None or not all(0 <= joint < numJoints for joint in influences[0]):
                 self._warn(prim, "its joint influences do not fit; drawn unskinned")
                 return points
             toLocal = Gf.Matrix4d(query.ComputeSkinnedTransform(transforms, self._timeCode)) * toLocal
