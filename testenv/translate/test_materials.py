@@ -267,13 +267,17 @@ _SOURCE = """uniform token info:implementationSource = "sourceAsset"
 
 @pytest.mark.parametrize("body, expected", [
     ("token outputs:surface", ["/M: material has no surface shader; displayColor is used"]),
+    ("token outputs:mtlx:surface", ["/M: material has no surface shader; displayColor is used"]),
+    ("token outputs:mtlx:surface\ntoken outputs:arnold:surface",
+     ["/M: material has no UsdPreviewSurface or MaterialX surface, only arnold: not supported yet",
+      "/M: material has no surface shader; displayColor is used"]),
     (f'token outputs:surface.connect = </M/A.outputs:out>\ndef Shader "A" {{ {_SOURCE} }}',
      ["/M: surface shader /M/A, which has no shader id, is not supported; displayColor is used"]),
     (f"""token outputs:surface.connect = </M/P.outputs:surface>\ndef Shader "A" {{ {_SOURCE} }}
         def Shader "P" {{ uniform token info:id = "UsdPreviewSurface"\ncolor3f inputs:diffuseColor.connect = </M/A.outputs:out>
         token outputs:surface }}""", ["/M: shader /M/A, which has no shader id, is not supported here"]),
 ])
-def test_what_is_not_drawn_is_one_line(body, expected):
+def test_what_is_not_drawn_is_told_once(body, expected):
     session = Translate(StageOf(f"""def Material "M" {{ {body} }}
     def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""))
     session.Info()

@@ -151,9 +151,9 @@ class MaterialReader:
 
     def _WarnOfOthers(self, material):
         """Names the contexts of the surfaces of a material that has none that is read, which commit warns of."""
-        ending = ":surface"
-        contexts = sorted({output.GetBaseName()[:-len(ending)] for output in material.GetOutputs()
-                           if output.GetBaseName().endswith(ending)})
+        ending = "surface"
+        contexts = {output.GetBaseName()[:-len(ending)] for output in material.GetOutputs() if output.GetBaseName().endswith(":" + ending)}
+        contexts = sorted(context[:-1] for context in contexts.difference(_CONTEXTS))  # those that are read lead nowhere
         if contexts:
             self._warn(material.GetPrim(), "material has no UsdPreviewSurface or MaterialX surface, only "
                                            f"{', '.join(contexts)}: not supported yet")
