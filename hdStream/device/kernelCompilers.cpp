@@ -281,7 +281,8 @@ void KernelCompilers::EndProcess(const std::string& failure) {
     --_numIdle;
     if (!failure.empty() && !_isClosing) {
         _hasFailed = true;
-        if (_warnings != nullptr) {
+        // On a machine under load several may fail, each with another program.
+        if (_warnings != nullptr && !_warnings->Has(_options.executable)) {
             _warnings->Add(_options.executable,
                            failure + "; kernels are compiled without it, which takes longer");
         }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/exporterFixes.h"
 
+#include "hdStream/hydra/transparentSides.h"
+
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 constexpr float kBlendersSun = 4.0F; ///< by which Blender's exporter divides
-const std::string kBsdf = "_BSDF";   ///< ends names of nodes, as _EDF does of their emission
 
 /// Flux over the range of cosines within the cone, of a radiance that is 1 up to the angle
 /// cutoff * (1 - softness) and falls from there to 0 by a smooth step of the angle. In radians.
@@ -82,60 +82,6 @@ void TintEachWay(const std::string& input, hds::MaterialNode* node,
     }
 }
 
-/// True for what the exporter makes of a Transparent BSDF: a diffuse one without a roughness, which
-/// no other node of Blender's becomes.
-bool IsTransparent(const hds::MaterialNode& node) {
-    return node.identifier == "ND_oren_nayar_diffuse_bsdf" &&
-           node.parameters.count("roughness") == 0 && node.connections.count("roughness") == 0;
-}
-
-void SetInput(hds::MaterialNode* node, const std::string& input, double value) {
-    node->connections.erase(input);
-    node->parameters[input] = value;
-}
-
-/// The opacity of the surface has what a transparent side of a mix lets through, so that all of the
-/// other side is left: of its reflection, and of its emission, whose node is the mix's namesake.
-void TakeTransparentOut(hds::MaterialNetwork* network) {
-    std::map<std::string, hds::MaterialNode*> nodes;
-    for (hds::MaterialNode& node : network->nodes) {
-        nodes[node.path] = &node;
-    }
-    const auto find = [&](const std::string& path) {
-        const auto found = nodes.find(path);
-        return found != nodes.end() ? found->second : nullptr;
-    };
-    const auto isTransparent = [&](const hds::MaterialNode& mix, const char* input) {
-        const auto connection = mix.connections.find(input);
-        const hds::MaterialNode* node =
-            connection != mix.connections.end() ? find(connection->second.upstreamPath) : nullptr;
-        return node != nullptr && IsTransparent(*node);
-    };
-    for (hds::MaterialNode& node : network->nodes) {
-        const bool isMix = node.identifier == "ND_mix_bsdf";
-        const bool isForeground = isMix && isTransparent(node, "fg");
-        const bool isBackground = isMix && isTransparent(node, "bg");
-        const bool isAlone = node.identifier == "ND_multiply_bsdfF" && isTransparent(node, "in1");
-        if (isForeground != isBackground) {
-            SetInput(&node, "mix", isForeground ? 0.0 : 1.0);
-        } else if (!isAlone) {
-            continue;
-        }
-        hds::MaterialNode* emission =
-            EndsWith(node.path, kBsdf)
-                ? find(node.path.substr(0, node.path.size() - kBsdf.size()) + "_EDF")
-                : nullptr;
-        if (emission != nullptr && emission->identifier == "ND_multiply_edfF") {
-            SetInput(emission, "in2", 1.0);
-        }
-    }
-    for (hds::MaterialNode& node : network->nodes) {
-        if (IsTransparent(node)) {
-            SetInput(&node, "weight", 0.0); // it reflects nothing
-        }
-    }
-}
-
 } // namespace
 
 HdStreamExporter HdStreamFindExporter(const std::string& name) {
@@ -157,7 +103,7 @@ void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* networ
     if (exporter != HdStreamExporter::Blender) {
         return;
     }
-    TakeTransparentOut(network);
+    HdStreamTakeTransparentOut(network);
     std::vector<hds::MaterialNode> added;
     for (hds::MaterialNode& node : network->nodes) {
         if (node.identifier == "ND_open_pbr_surface_surfaceshader") {

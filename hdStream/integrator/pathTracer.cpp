@@ -13,7 +13,6 @@
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
-#include "hdStream/scene/motion.h"
 #include "hdStream/shading/domeGuide.h"
 #include "kernels/shared/frame.h"
 
@@ -398,15 +397,16 @@ struct PathTracer::Impl {
         }
     }
 
-    void CountAccuracy() {
+    void CountAccuracy(bool withError) {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
         statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
-        const std::vector<std::uint32_t>& all = schedule.AllPixels();
-        UploadPixels(all);
-        statistics.meanRelativeError =
-            film.MeanRelativeError(kernels, pixels, static_cast<std::uint32_t>(all.size()));
+        if (withError) {
+            UploadPixels(schedule.AllPixels());
+            statistics.meanRelativeError = film.MeanRelativeError(
+                kernels, pixels, static_cast<std::uint32_t>(schedule.AllPixels().size()));
+        }
     }
 
     RenderResult Render(const ProgressCallback& onProgress, const RenderWatch& watch) {
@@ -423,9 +423,10 @@ struct PathTracer::Impl {
         }
         statistics.renderSeconds = onlooker.timer.Seconds();
         statistics.samples = schedule.Done();
-        CountAccuracy();
+        const bool isCut = onlooker.isStopped && !schedule.IsTimeUp(onlooker.timer.Seconds());
+        CountAccuracy(!isCut || !watch.takesPictures); // who edits waits, and asks for no error
         buffers.CountUsed();
-        if (onlooker.isStopped && !schedule.IsTimeUp(onlooker.timer.Seconds())) {
+        if (isCut) {
             return RenderResult::Stopped;
         }
         if (statistics.hasGeneralKernels) {

@@ -45,7 +45,7 @@ class StreamRenderEngine(bpy.types.HydraRenderEngine):
         if not self.engine_ptr:
             self._Tell("ERROR", "Stream: Blender could not make the renderer; its terminal says why")
         elif not self.is_preview:
-            self._TellOnce([("WARNING", line) for line in leftOut.Lines(depsgraph)])
+            self._TellOnce([("WARNING", line) for line in _LeftOut(depsgraph)])
 
     def render(self, depsgraph):
         if not getattr(self, "engine_ptr", None):
@@ -139,6 +139,14 @@ class StreamRenderEngine(bpy.types.HydraRenderEngine):
 
     def _IsCancelled(self):
         return self.test_break()
+
+
+def _LeftOut(depsgraph):
+    """What is only told of a scene never stops its render."""
+    try:
+        return leftOut.Lines(depsgraph)
+    except Exception as error:  # pylint: disable=broad-except
+        return [f"Stream: cannot tell what Blender does not hand over: {type(error).__name__}: {error}"]
 
 
 def StatusLine(status):

@@ -157,6 +157,20 @@ def _HalfTransparent(tree, node):
     tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
 
 
+def _MixInMix(tree, node):
+    """Half of the material, and half of a mix of an emitting glossy BSDF and a transparent one."""
+    inner = tree.nodes.new("ShaderNodeBsdfGlossy")
+    for kind in ("Emission", "BsdfTransparent"):
+        mix, shader = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new(f"ShaderNode{kind}")
+        for i, side in enumerate((inner, shader)):
+            tree.links.new(side.outputs[0], mix.inputs[i + 1])
+        inner = mix
+    outer = tree.nodes.new("ShaderNodeMixShader")
+    for i, side in enumerate((node, inner)):
+        tree.links.new(side.outputs[0], outer.inputs[i + 1])
+    tree.links.new(outer.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
 def _AddNode(kind, output="Color"):
     def Edit(tree, node):
         tree.links.new(tree.nodes.new(f"ShaderNode{kind}").outputs[output], node.inputs["Base Color"])
@@ -309,6 +323,9 @@ ROWS = {
     "emitter": _Material({}, _Alone("Emission")),
     "mix": _Material({}, _Alone("BsdfDiffuse", "BsdfGlossy")),
     "half transparent": _Material({"Base Color": _RED}, _HalfTransparent),
+    "diffuse, clear": _Material({}, _Alone("BsdfDiffuse", "BsdfTransparent")),
+    "emitter, clear": _Material({}, _Alone("Emission", "BsdfTransparent")),
+    "mix in mix": _Material({"Base Color": _RED}, _MixInMix),
     "noise": _Material({}, _AddNode("TexNoise")),
     "checker": _Material({}, _AddNode("TexChecker")),
     "voronoi": _Material({}, _AddNode("TexVoronoi")),

@@ -2,8 +2,9 @@
 // Interactive figures of render delegates on one scene of many meshes, in one run: the time to sync
 // the whole scene, and the latency from an edit of each kind to the first pixel of the render that
 // it starts: on the clock, and in CPU time of the process, which other work disturbs less.
-//   benchHydra [--meshes N] [--quads N] [--repeats N] [--width N] [RENDERER...]
-// RENDERERs are plug-in ids; ratios are to the last one. Prints tables in Markdown.
+//   benchHydra [--meshes N] [--quads N] [--repeats N] [--width N] [--edit NAME] [RENDERER...]
+// RENDERERs are plug-in ids; ratios are to the last one. Prints tables in Markdown. With an edit's
+// name ("transform edit") that one alone, as profilers want it.
 #include "testenv/hydra/host.h"
 
 #include <pxr/base/gf/rotation.h>
@@ -31,11 +32,13 @@ struct Options {
     int numQuads = 16; ///< along each side of a mesh
     int numRepeats = 5;
     int width = 320;
+    std::string edit; ///< the only one; empty: all, and Sync
     std::vector<TfToken> renderers;
 };
 
 const SdfPath kCamera("/camera");
 constexpr int kNumSamples = 4;
+constexpr const char* kUnderWay = "light edit, render under way";
 
 SdfPath MeshPath(int index) {
     return SdfPath("/wall/mesh" + std::to_string(index));
@@ -227,6 +230,59 @@ Latency TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
     return {kForEver, kForEver};
 }
 
+bool IsRed(const Image& image) {
+    double red = 0.0;
+    double blue = 0.0;
+    for (int i = 0; i < image.width * image.height; ++i) {
+        red += image.Float(i % image.width, i / image.width, 0);
+        blue += image.Float(i % image.width, i / image.width, 2);
+    }
+    return red > blue;
+}
+
+/// From an edit of a render that is under way to the first frame that shows it: of the light's
+/// colour, since pictures change without an edit, too.
+Latency TimeEditUnderWay(Host& host, bool toRed) {
+    constexpr double kSecondsUnderWay = 0.4;
+    constexpr double kSecondsToShow = 5.0;
+    const double begin = Now();
+    while (Now() - begin < kSecondsUnderWay) {
+        host.Frame();
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    const double start = Now();
+    const double cpuStart = CpuNow();
+    host.Scene().SetLight(
+        SdfPath("/dome"),
+        MakeDome(toRed ? GfVec3f(1.0F, 0.05F, 0.05F) : GfVec3f(0.05F, 0.05F, 1.0F)),
+        HdLight::DirtyParams);
+    while (Now() - start < kSecondsToShow) {
+        host.Frame();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (IsRed(host.Read()) == toRed) {
+            return {(Now() - start) * 1e3, (CpuNow() - cpuStart) * 1e3};
+        }
+    }
+    constexpr double kForEver = std::numeric_limits<double>::infinity();
+    return {kForEver, kForEver};
+}
+
+void MeasureEditsUnderWay(Host& host, const TfToken& renderer, const Options& options,
+                          Samples* samples) {
+    constexpr int kManySamples = 100000;
+    if (!options.edit.empty() && options.edit != kUnderWay) {
+        return;
+    }
+    host.SetSetting(HdRenderSettingsTokens->convergedSamplesPerPixel.GetText(),
+                    VtValue(kManySamples));
+    TimeEditUnderWay(host, true); // from the colour of before
+    for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
+        const Latency latency = TimeEditUnderWay(host, repeat % 2 != 0);
+        (*samples)[kUnderWay][renderer].push_back(latency.wall);
+        (*samples)[std::string(kUnderWay) + ", CPU"][renderer].push_back(latency.cpu);
+    }
+}
+
 void MeasureEdits(const SceneData& scene, const Options& options, Samples* samples) {
     for (const TfToken& renderer : options.renderers) {
         Host host(scene, MakeHostOptions(options, renderer));
@@ -238,6 +294,9 @@ void MeasureEdits(const SceneData& scene, const Options& options, Samples* sampl
         });
         (*samples)["first pixel of all"][renderer].push_back((Now() - start) * 1e3);
         for (const auto& [figure, edit] : Edits(options)) {
+            if (!options.edit.empty() && figure != options.edit) {
+                continue;
+            }
             for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
                 const Latency latency =
                     TimeEdit(host, [&, &apply = edit](Host& edited) { apply(edited, repeat); });
@@ -248,6 +307,7 @@ void MeasureEdits(const SceneData& scene, const Options& options, Samples* sampl
                 }
             }
         }
+        MeasureEditsUnderWay(host, renderer, options, samples);
     }
 }
 
@@ -285,6 +345,8 @@ Options ReadOptions(int argc, char** argv) {
         const auto number = numbers.find(argv[i]);
         if (number != numbers.end() && i + 1 < argc) {
             *number->second = std::atoi(argv[++i]);
+        } else if (std::strcmp(argv[i], "--edit") == 0 && i + 1 < argc) {
+            options.edit = argv[++i];
         } else {
             options.renderers.emplace_back(argv[i]);
         }
@@ -310,7 +372,7 @@ int main(int argc, char** argv) {
                 options.numMeshes, options.numQuads * options.numQuads, WorkGetConcurrencyLimit(),
                 options.width, options.numRepeats);
     Samples samples;
-    for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
+    for (int repeat = 0; repeat < options.numRepeats && options.edit.empty(); ++repeat) {
         MeasureSync(scene, options, &samples);
     }
     MeasureEdits(scene, options, &samples);

@@ -298,7 +298,7 @@ def Settings():
 
 
 def LeftOut():
-    """What is said of a scene with things that do not come, and of one without."""
+    """What is said of a scene with things that do not come, of one without, and where that cannot be told."""
     scene = Scene(samples=1)
     with Watched() as plain:
         Render(scene)
@@ -322,7 +322,7 @@ def LeftOut():
     blend.data_type, blend.blend_type = "RGBA", "MULTIPLY"
     material.node_tree.links.new(volume.outputs[0], material.node_tree.nodes["Material Output"].inputs["Volume"])
     material.node_tree.links.new(blend.outputs[2], material.node_tree.nodes["Principled BSDF"].inputs["Emission Color"])
-    scene.render.use_motion_blur, scene.camera.data.type = True, "PANO"
+    scene.render.use_motion_blur, scene.camera.data.type, scene.cycles.film_exposure = True, "PANO", 2.0
     sky = scene.world.node_tree.nodes.new("ShaderNodeTexSky")
     scene.world.node_tree.links.new(sky.outputs[0], scene.world.node_tree.nodes["Background"].inputs["Color"])
     light = next(item for item in scene.objects if item.type == "LIGHT").data
@@ -330,7 +330,10 @@ def LeftOut():
     light.node_tree.nodes["Emission"].inputs["Strength"].default_value = 2.0
     with Watched() as watch:
         Render(scene)
-    return {"plain": plain.reports, "reports": watch.reports}
+    sys.modules[f"{EXTENSION.name}.leftOut"].Lines = lambda depsgraph: depsgraph.nothing
+    with Watched() as failed:
+        planes, _ = Render(Scene(samples=1))
+    return {"plain": plain.reports, "reports": watch.reports, "failed": failed.reports, "drawn": float(Luminance(planes).mean())}
 
 
 def ResidentBytes():

@@ -109,7 +109,7 @@ def RunProgram(command: list, environment: dict, seconds: float = SECONDS, **key
 
 
 def BuildFolder() -> pathlib.Path:
-    return pathlib.Path(os.environ.get("HDSTREAM_TEST_BUILD") or ROOT / "build" / "release")
+    return pathlib.Path(os.environ.get("HDSTREAM_TEST_BUILD") or ROOT / "build" / "release").absolute()
 
 
 def FindPlugin() -> tuple[pathlib.Path | None, str]:

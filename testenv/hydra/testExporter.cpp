@@ -172,64 +172,222 @@ TEST_F(Exporter, ASlabOfGlassDimsAsPrincipledDoes) {
     }
 }
 
-/// A floor with Blender's mix, by a half, of a diffuse BSDF that also emits and a Transparent BSDF:
-/// what its exporter writes of it. \param isSwapped whether the transparent one comes first.
-SceneData WithTransparentMix(float albedo, float emission, bool isSwapped) {
-    SceneData scene = EmptyScene();
-    HdMaterialNetworkMap map;
-    HdMaterialNetwork& network = map.map[HdMaterialTerminalTokens->surface];
-    const auto add = [&](const char* path, const char* identifier,
-                         const std::map<TfToken, VtValue>& parameters) {
+/// A floor whose material is made of nodes and links.
+class Look {
+public:
+    void Add(const char* path, const char* identifier,
+             const std::map<TfToken, VtValue>& parameters = {}) {
         HdMaterialNode node;
         node.path = SdfPath(path);
         node.identifier = TfToken(identifier);
         node.parameters = parameters;
-        network.nodes.push_back(node);
-    };
-    const auto connect = [&](const char* from, const char* to, const char* input) {
-        network.relationships.push_back(
+        _network.nodes.push_back(node);
+    }
+    void Connect(const std::string& from, const char* to, const char* input) {
+        _network.relationships.push_back(
             {SdfPath(from), TfToken("out"), SdfPath(to), TfToken(input)});
-    };
-    add("/Transparent_BSDF", "ND_oren_nayar_diffuse_bsdf",
-        {{TfToken("color"), VtValue(GfVec3f(1.0F))}});
-    add("/Diffuse_BSDF", "ND_oren_nayar_diffuse_bsdf",
-        {{TfToken("color"), VtValue(GfVec3f(albedo))}, {TfToken("roughness"), VtValue(0.0F)}});
-    add("/Glow_EDF", "ND_uniform_edf", {{TfToken("color"), VtValue(GfVec3f(emission))}});
-    add("/Mix_BSDF", "ND_mix_bsdf", {{TfToken("mix"), VtValue(0.5F)}});
-    add("/Mix_EDF", "ND_multiply_edfF", {{TfToken("in2"), VtValue(0.5F)}});
-    add("/Surface", "ND_surface", {{TfToken("opacity"), VtValue(0.5F)}});
-    connect("/Transparent_BSDF", "/Mix_BSDF", isSwapped ? "bg" : "fg");
-    connect("/Diffuse_BSDF", "/Mix_BSDF", isSwapped ? "fg" : "bg");
-    connect("/Glow_EDF", "/Mix_EDF", "in1");
-    connect("/Mix_BSDF", "/Surface", "bsdf");
-    connect("/Mix_EDF", "/Surface", "edf");
-    map.terminals.push_back(SdfPath("/Surface"));
-    scene.materials[SdfPath("/look")] = map;
-    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
-    scene.gprims[SdfPath("/floor")].material = SdfPath("/look");
-    return scene;
-}
-
-/// Below a white sky half of the floor's albedo and emission is seen, and half of the sky.
-TEST_F(Exporter, MixesWithATransparentSideLetItsShareThrough) {
-    for (const bool isSwapped : {false, true}) {
-        SceneData scene = WithTransparentMix(0.6F, 0.3F, isSwapped);
-        scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
-        HostOptions options = Quick({HdAovTokens->color}, 64);
-        for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
-            options.settings[TfToken("hostExporter")] = VtValue(exporter);
-            Host host(scene, options);
-            host.RenderUntilConverged();
-            const Image image = host.Read();
-            double mean = 0.0;
-            for (int i = 0; i < image.width * image.height; ++i) {
-                mean += image.Float(i % image.width, i / image.width, 0);
-            }
-            mean /= image.width * image.height;
-            const double once = exporter.empty() ? 0.5 * 0.6 + 0.5 + 0.5 * 0.3 : 0.6 + 0.3;
-            EXPECT_NEAR(mean, 0.5 * once + 0.5, 5e-3) << exporter << isSwapped;
+    }
+    void AddTransparent() {
+        Add("/Transparent_BSDF", "ND_oren_nayar_diffuse_bsdf",
+            {{TfToken("color"), VtValue(GfVec3f(1.0F))}});
+    }
+    void AddDiffuse(const char* path, float albedo) {
+        Add(path, "ND_oren_nayar_diffuse_bsdf",
+            {{TfToken("color"), VtValue(GfVec3f(albedo))}, {TfToken("roughness"), VtValue(0.0F)}});
+    }
+    /// As far as it matters here: a layer, whose top reflects nothing.
+    void AddPrincipled(const char* path, float albedo) {
+        AddDiffuse("/node_base", albedo);
+        Add("/node_top", "ND_dielectric_bsdf",
+            {{TfToken("weight"), VtValue(0.0F)},
+             {TfToken("scatter_mode"), VtValue(std::string("R"))}});
+        Add(path, "ND_layer_bsdf");
+        Connect("/node_top", path, "top");
+        Connect("/node_base", path, "base");
+    }
+    void AddEmission(const char* path, float radiance) {
+        Add(path, "ND_uniform_edf", {{TfToken("color"), VtValue(GfVec3f(radiance))}});
+    }
+    /// \param opacity what the exporter writes: sides that are neither Principled nor Transparent
+    /// BSDFs count there as if they were not. \param edf empty: none.
+    void AddSurface(float opacity, const char* bsdf, const std::string& edf) {
+        Add("/Surface", "ND_surface", {{TfToken("opacity"), VtValue(opacity)}});
+        Connect(bsdf, "/Surface", "bsdf");
+        if (!edf.empty()) {
+            Connect(edf, "/Surface", "edf");
         }
     }
+
+    /// What is seen of it from above, below a white sky.
+    double Seen(const std::string& exporter) const {
+        SceneData scene = EmptyScene();
+        HdMaterialNetworkMap map;
+        map.map[HdMaterialTerminalTokens->surface] = _network;
+        map.terminals.push_back(SdfPath("/Surface"));
+        scene.materials[SdfPath("/look")] = map;
+        scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
+        scene.gprims[SdfPath("/floor")].material = SdfPath("/look");
+        scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
+        HostOptions options = Quick({HdAovTokens->color}, 64);
+        options.settings[TfToken("hostExporter")] = VtValue(exporter);
+        Host host(scene, options);
+        host.RenderUntilConverged();
+        const Image image = host.Read();
+        double sum = 0.0;
+        for (int i = 0; i < image.width * image.height; ++i) {
+            sum += image.Float(i % image.width, i / image.width, 0);
+        }
+        return sum / (image.width * image.height);
+    }
+
+private:
+    HdMaterialNetwork _network;
+};
+
+VtValue Half() {
+    return VtValue(0.5F);
+}
+
+/// Blender's mix, by a half, of a Principled BSDF that also emits and a Transparent BSDF: what its
+/// exporter writes of it. \param isSwapped whether the transparent one comes first.
+Look TransparentMix(float albedo, float emission, bool isSwapped) {
+    Look look;
+    look.AddTransparent();
+    look.AddPrincipled("/Glow_BSDF", albedo);
+    look.AddEmission("/Glow_EDF", emission);
+    look.Add("/Mix_BSDF", "ND_mix_bsdf", {{TfToken("mix"), Half()}});
+    look.Add("/Mix_EDF", "ND_multiply_edfF", {{TfToken("in2"), Half()}});
+    look.Connect("/Transparent_BSDF", "/Mix_BSDF", isSwapped ? "bg" : "fg");
+    look.Connect("/Glow_BSDF", "/Mix_BSDF", isSwapped ? "fg" : "bg");
+    look.Connect("/Glow_EDF", "/Mix_EDF", "in1");
+    look.AddSurface(0.5F, "/Mix_BSDF", "/Mix_EDF");
+    return look;
+}
+
+/// Half of the floor's albedo and emission is seen, and half of the sky.
+TEST_F(Exporter, MixesWithATransparentSideLetItsShareThrough) {
+    for (const bool isSwapped : {false, true}) {
+        const Look look = TransparentMix(0.6F, 0.3F, isSwapped);
+        EXPECT_NEAR(look.Seen(""), 0.5 * (0.5 * 0.6 + 0.5 + 0.5 * 0.3) + 0.5, 5e-3) << isSwapped;
+        EXPECT_NEAR(look.Seen(kBlender), 0.5 * (0.6 + 0.3) + 0.5, 5e-3) << isSwapped;
+    }
+}
+
+/// A quarter of a mix is another one, by a half, of a bright diffuse and a Transparent BSDF; the
+/// rest is dark. Either may emit.
+struct NestedMixes {
+    bool isSwapped;    ///< the dark side comes first
+    bool areLinked;    ///< factors come from nodes
+    bool isPrincipled; ///< the dark side; else a diffuse BSDF
+    float darkGlow;    ///< 0: it has no emission
+    float brightGlow;  ///< 0: it has no emission
+
+    static constexpr float kDark = 0.2F;
+    static constexpr float kBright = 0.8F;
+
+    Look Make() const {
+        Look look;
+        look.AddTransparent();
+        look.AddDiffuse("/Bright_BSDF", kBright);
+        isPrincipled ? look.AddPrincipled("/Dark_BSDF", kDark)
+                     : look.AddDiffuse("/Dark_BSDF", kDark);
+        look.Add("/Inner_BSDF", "ND_mix_bsdf", Factor("mix", 0.5F));
+        look.Connect("/Bright_BSDF", "/Inner_BSDF", "fg");
+        look.Connect("/Transparent_BSDF", "/Inner_BSDF", "bg");
+        const float factor = isSwapped ? 0.75F : 0.25F;
+        look.Add("/Outer_BSDF", "ND_mix_bsdf", Factor("mix", factor));
+        look.Connect("/Inner_BSDF", "/Outer_BSDF", isSwapped ? "bg" : "fg");
+        look.Connect("/Dark_BSDF", "/Outer_BSDF", isSwapped ? "fg" : "bg");
+        if (areLinked) {
+            look.Add("/Half_FLOAT", "ND_constant_float", {{TfToken("value"), Half()}});
+            look.Add("/Factor_FLOAT", "ND_constant_float", {{TfToken("value"), VtValue(factor)}});
+            look.Connect("/Half_FLOAT", "/Inner_BSDF", "mix");
+            look.Connect("/Factor_FLOAT", "/Outer_BSDF", "mix");
+        }
+        AddEmission(factor, &look);
+        look.AddSurface(Opacity(), "/Outer_BSDF", "/Outer_EDF");
+        return look;
+    }
+
+    double Expected() const {
+        return 0.75 * (kDark + darkGlow) + 0.125 * (kBright + brightGlow) + 0.125;
+    }
+    double AsWritten() const {
+        const double seen =
+            0.75 * (kDark + darkGlow) + 0.25 * (0.5 * kBright + 0.5 + 0.5 * brightGlow);
+        return Opacity() * seen + 1.0 - Opacity();
+    }
+
+private:
+    /// That the exporter writes.
+    float Opacity() const { return isPrincipled ? 0.75F : 0.0F; }
+
+    std::map<TfToken, VtValue> Factor(const char* input, float value) const {
+        return areLinked ? std::map<TfToken, VtValue>()
+                         : std::map<TfToken, VtValue>{{TfToken(input), VtValue(value)}};
+    }
+
+    void AddEmission(float factor, Look* look) const {
+        look->AddEmission("/Bright_EDF", brightGlow);
+        look->AddEmission("/Dark_EDF", darkGlow);
+        look->Add("/Inner_EDF", "ND_multiply_edfF", {{TfToken("in2"), Half()}});
+        look->Connect("/Bright_EDF", "/Inner_EDF", "in1");
+        if (brightGlow > 0.0F && darkGlow > 0.0F) {
+            look->Add("/Outer_EDF", "ND_mix_edf", {{TfToken("mix"), VtValue(factor)}});
+            look->Connect("/Inner_EDF", "/Outer_EDF", isSwapped ? "bg" : "fg");
+            look->Connect("/Dark_EDF", "/Outer_EDF", isSwapped ? "fg" : "bg");
+        } else {
+            const bool isDark = darkGlow > 0.0F;
+            look->Add("/Outer_EDF", "ND_multiply_edfF",
+                      {{TfToken("in2"), VtValue(isDark ? 0.75F : 0.25F)}});
+            look->Connect(isDark ? "/Dark_EDF" : "/Inner_EDF", "/Outer_EDF", "in1");
+        }
+    }
+};
+
+TEST_F(Exporter, MixesInsideOfMixesCoverWhatTheyCover) {
+    constexpr NestedMixes kAll[] = {{false, false, false, 0.0F, 0.5F},
+                                    {true, false, true, 0.4F, 0.0F},
+                                    {false, true, true, 0.4F, 0.5F},
+                                    {true, true, false, 0.0F, 0.5F},
+                                    {true, false, false, 0.4F, 0.5F}};
+    for (const NestedMixes& mixes : kAll) {
+        const Look look = mixes.Make();
+        EXPECT_NEAR(look.Seen(""), mixes.AsWritten(), 5e-3) << mixes.isSwapped << mixes.areLinked;
+        EXPECT_NEAR(look.Seen(kBlender), mixes.Expected(), 5e-3)
+            << mixes.isSwapped << mixes.areLinked << mixes.darkGlow << mixes.brightGlow;
+    }
+}
+
+/// No side of such a mix is transparent, and the diffuse one counts, too.
+TEST_F(Exporter, MixesOfPrincipledAndOthersAreOpaque) {
+    Look look;
+    look.AddPrincipled("/Principled_BSDF", 0.2F);
+    look.AddDiffuse("/Diffuse_BSDF", 0.8F);
+    look.Add("/Mix_BSDF", "ND_mix_bsdf", {{TfToken("mix"), VtValue(0.25F)}});
+    look.Connect("/Principled_BSDF", "/Mix_BSDF", "bg");
+    look.Connect("/Diffuse_BSDF", "/Mix_BSDF", "fg");
+    look.AddSurface(0.75F, "/Mix_BSDF", "");
+    EXPECT_NEAR(look.Seen(kBlender), 0.75 * 0.2 + 0.25 * 0.8, 5e-3);
+}
+
+/// Of a mix of the mix of an Emission and a Transparent BSDF: what has no BSDF covers, too.
+TEST_F(Exporter, WhatOnlyEmitsCoversItsShareOfAMix) {
+    Look look;
+    look.AddTransparent();
+    look.AddDiffuse("/Dark_BSDF", 0.2F);
+    look.AddEmission("/Glow_EDF", 0.5F);
+    look.Add("/Inner_BSDF", "ND_multiply_bsdfF", {{TfToken("in2"), Half()}});
+    look.Connect("/Transparent_BSDF", "/Inner_BSDF", "in1");
+    look.Add("/Inner_EDF", "ND_multiply_edfF", {{TfToken("in2"), Half()}});
+    look.Connect("/Glow_EDF", "/Inner_EDF", "in1");
+    look.Add("/Outer_BSDF", "ND_mix_bsdf", {{TfToken("mix"), VtValue(0.25F)}});
+    look.Connect("/Inner_BSDF", "/Outer_BSDF", "fg");
+    look.Connect("/Dark_BSDF", "/Outer_BSDF", "bg");
+    look.Add("/Outer_EDF", "ND_multiply_edfF", {{TfToken("in2"), VtValue(0.25F)}});
+    look.Connect("/Inner_EDF", "/Outer_EDF", "in1");
+    look.AddSurface(0.0F, "/Outer_BSDF", "/Outer_EDF");
+    EXPECT_NEAR(look.Seen(kBlender), 0.75 * 0.2 + 0.125 * 0.5 + 0.125, 5e-3);
 }
 
 TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {

@@ -130,12 +130,19 @@ def test_what_does_not_come_is_told_in_one_line_a_kind(found):
         "Blender does not hand over nodes of lights: Area",
         "Blender does not hand over the spread of area lights: Area",
         "Blender hands over all blends of colours as Mix: Rock 0",
+        "Cycles' exposure of the film does not count: that of Color Management does",
         "a panoramic camera is drawn as perspective: Camera",
         "holdouts and shadow catchers are drawn as other objects: Cube",
         "motion blur is not drawn: Blender hands over one moment",
         "of a world Blender hands over a colour or an image alone: Sky Texture",
         "the camera sees objects that it is not to see: Sphere",
         "volumes of materials are not drawn: Rock 0"]
+
+
+def test_a_scene_is_drawn_though_what_it_lacks_cannot_be_told(found):
+    left = found("LeftOut")
+    assert [kind for kind, _ in left["failed"]] == ["WARNING"] and left["drawn"] > 0.1
+    assert left["failed"][0][1].startswith("Stream: cannot tell what Blender does not hand over: AttributeError: ")
 
 
 def test_nodes_that_are_left_out_are_those_of_blenders_exporter(blenders, tmp_path):

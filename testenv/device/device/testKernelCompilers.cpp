@@ -165,6 +165,25 @@ TEST_F(KernelCompilersTest, OneThatHangs) {
                    "it ended or hangs while it compiles test.cl", 300);
 }
 
+/// As on a machine under load: each of two processes fails with another program.
+TEST_F(KernelCompilersTest, SeveralThatHangAreOneLine) {
+    std::vector<ProgramSource> sources;
+    for (const char* root : {"one.cl", "other.cl"}) {
+        const std::string text = std::string("kernel void fill() {} // ") + root + "\n";
+        sources.push_back(MakeProgramSource(device->Properties(), root, {}, &text));
+    }
+    KernelCompilers& compilers = Use(Script(std::string(kSaysReady) + "exec sleep 1000"), 300);
+    compilers.Begin(sources);
+    for (const ProgramSource& source : sources) {
+        EXPECT_TRUE(compilers.Take(source.key).empty());
+    }
+    compilers.Begin({Source("3")});
+    EXPECT_TRUE(compilers.Take(Source("3").key).empty()) << "it is given up when both have ended";
+    device->SetCompilers(nullptr);
+    EXPECT_EQ(warnings.Lines().size(), 1U);
+    ExpectNoChild();
+}
+
 TEST_F(KernelCompilersTest, OneWhoseBinaryTheDeviceRejects) {
     // Kind 2 is a binary; 7 bytes follow.
     Use(Script(std::string(kSaysReady) +

@@ -176,6 +176,25 @@ TEST_F(PassesTest, FirstHitsComeWithTheFirstPicture) {
     EXPECT_TRUE(SameLayers({Layer(seen, "depth")}, {Layer(session.Layers(), "depth")}));
 }
 
+/// Looking at all pixels for it takes the time of the render that waits.
+TEST_F(PassesTest, NobodyWaitsForTheErrorOfAPictureThatAnEditHasEnded) {
+    Session session;
+    FillSession(&session);
+    const auto errorOf = [&](bool takesPictures, bool isCut) {
+        RenderWatch watch;
+        watch.takesPictures = takesPictures;
+        const auto onProgress = [&](const Progress& progress) {
+            return !isCut || progress.samplesDone < 8;
+        };
+        session.Render(Make(true, kNoTime, isCut ? 4096 : 8), onProgress, {}, watch);
+        const auto statistics = nlohmann::json::parse(session.Statistics());
+        return statistics["accuracy"]["meanRelativeError"].get<double>();
+    };
+    EXPECT_EQ(errorOf(true, true), 0.0);
+    EXPECT_GT(errorOf(false, true), 0.0) << "of a picture that is kept";
+    EXPECT_GT(errorOf(true, false), 0.0) << "of one that is done";
+}
+
 TEST_F(PassesTest, StatusesOfARenderThreadComeInOrderAndEndWithTheImage) {
     RenderThread thread;
     EXPECT_EQ(thread.Status(), nullptr);
