@@ -12,8 +12,11 @@ namespace hds {
 namespace {
 
 constexpr double kFewPaths = 2048.0;
+/// Of a round of all pixels, and rounds at most. Not by the samples of the render: parts of it have
+/// the guide of all of it.
 constexpr double kLeastPaths = 65536.0;
 constexpr double kMostPaths = 262144.0;
+constexpr double kMostRounds = 4.0;
 /// Of the rays that surfaces send on, those that find the open: with fewer there is nothing to
 /// learn, with more most light samples arrive without a guide.
 constexpr double kLeastShare = 0.002;
@@ -68,7 +71,13 @@ void LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& ca
     std::vector<std::uint32_t> cells;
     if (isDone && share >= kLeastShare && share <= kMostShare) {
         const double numPaths = std::clamp(pixels, kLeastPaths, kMostPaths);
+        const double numRounds = std::clamp(kMostRounds * pixels / numPaths, 1.0, kMostRounds);
         isDone = trace(WholePicture(options, numPaths, kSeedOfMany));
+        // Where time is up in a later round the guide has what there is.
+        bool goesOn = isDone;
+        for (std::uint32_t round = 1; goesOn && round < std::floor(numRounds); ++round) {
+            goesOn = trace(WholePicture(options, numPaths, kSeedOfMany + round));
+        }
         cells = tracer->ReadDomeGuide();
     }
     tracer->EndDomeGuide();

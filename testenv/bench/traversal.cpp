@@ -250,10 +250,8 @@ public:
         : _device(device), _isFlat(form == test::AccelForm::Flat),
           _scene(device, scene, {1, {}, {_isFlat ? ~0ULL : 0, 4.0, 0.0}}) {
         const std::string text = kKernels;
-        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", "0"},
-                                  {"HDS_FEATURE_CUTOUT", "0"},
-                                  {"HDS_FEATURE_MOTION", "0"},
-                                  {"HDS_FEATURE_CURVES", "0"},
+        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", "0"}, {"HDS_FEATURE_CUTOUT", "0"},
+                                  {"HDS_FEATURE_MOTION", "0"}, {"HDS_FEATURE_CURVES", "0"},
                                   {"HDS_FEATURE_SPLATS", "0"}, // they need curves
                                   {"HDS_NUM_POOLS", "1"}};
         if (!_scene.Flat().hasInstances) {
