@@ -166,6 +166,12 @@ bool TryMergeSubsurface(const ClosureSlab& walk, const ClosureSlab& other, Closu
     return true;
 }
 
+/// Whether the reflections of both are by the same Schlick's term, or by none.
+bool HaveOneSchlick(const LayeredMaterial& a, const LayeredMaterial& b) {
+    return AreSame(a, b, HDS_INPUT_SCHLICK_EXPONENT) && AreSame(a, b, HDS_INPUT_SCHLICK_COLOR) &&
+           AreSame(a, b, HDS_INPUT_SCHLICK_GRAZING) && AreSame(a, b, HDS_INPUT_SCHLICK_EDGE);
+}
+
 /// Of glass and what lies beside it below one reflection, or below none.
 bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSlab* merged) {
     const LayeredMaterial& a = glass.layered;
@@ -173,7 +179,7 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
     const bool haveOneTop = AreSame(a, b, HDS_INPUT_SPECULAR_WEIGHT) &&
                             (!Has(b, HDS_INPUT_SPECULAR_WEIGHT) ||
                              (AreSame(a, b, HDS_INPUT_IOR) && HaveOneRoughness(a, b) &&
-                              AreSame(a, b, HDS_INPUT_SPECULAR_COLOR)));
+                              HaveOneSchlick(a, b) && AreSame(a, b, HDS_INPUT_SPECULAR_COLOR)));
     if (!haveOneTop || !IsAll(ValueOf(a, HDS_INPUT_TRANSMISSION), 1.0F) ||
         !HasNone(a, {HDS_INPUT_METALLIC, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT}) ||
         !HasNone(b, {HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION, HDS_INPUT_CLEARCOAT}) ||
@@ -288,6 +294,8 @@ void SetCoat(const ClosureSlab& top, ClosureSlab* slab) {
     layered.values[HDS_INPUT_CLEARCOAT] = ValueOf(top.layered, HDS_INPUT_SPECULAR_WEIGHT);
     layered.values[HDS_INPUT_CLEARCOAT_ROUGHNESS] = ValueOf(top.layered, HDS_INPUT_ROUGHNESS);
     layered.values[HDS_INPUT_COAT_IOR] = ValueOf(top.layered, HDS_INPUT_IOR);
+    layered.values[HDS_INPUT_COAT_STRETCH] = top.layered.values[HDS_INPUT_STRETCH];
+    SetOwnNormal(top.layered.values[HDS_INPUT_NORMAL], &layered);
     layered.values[HDS_INPUT_COAT_TINT] = slab->factor; // of what is below the coat
     slab->factor = One();
 }
@@ -295,8 +303,10 @@ void SetCoat(const ClosureSlab& top, ClosureSlab* slab) {
 void SetReflection(const ClosureSlab& top, ClosureSlab* slab) {
     FoldFactor(slab);
     LayeredMaterial& layered = slab->layered;
-    for (const std::uint32_t input : {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_IOR,
-                                      HDS_INPUT_STRETCH, HDS_INPUT_FILM}) {
+    for (const std::uint32_t input :
+         {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_IOR, HDS_INPUT_STRETCH,
+          HDS_INPUT_FILM, HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR,
+          HDS_INPUT_SCHLICK_GRAZING, HDS_INPUT_SCHLICK_EDGE}) {
         layered.values[input] = top.layered.values[input];
     }
     layered.values[HDS_INPUT_SPECULAR_COLOR] =
@@ -314,31 +324,67 @@ void SetSheen(const ClosureSlab& top, bool isOverAll, ClosureSlab* slab) {
     layered.flags |= isOverAll ? HDS_MATERIAL_FUZZ : top.layered.flags & HDS_MATERIAL_FUZZ;
 }
 
+/// Whether a layered surface has a place for a reflection but the coat.
+bool HasPlaceFor(const LayeredMaterial& reflection, const LayeredMaterial& below) {
+    const bool isGlass =
+        Has(below, HDS_INPUT_TRANSMISSION) && AreSame(reflection, below, HDS_INPUT_ROUGHNESS);
+    return HasNone(below, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT}) &&
+           (isGlass || !Has(below, HDS_INPUT_TRANSMISSION)) &&
+           (below.flags & HDS_MATERIAL_FUZZ) == 0;
+}
+
+/// A reflection as a coat.
+ClosureSlabs CoatOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
+    if (Has(base.layered, HDS_INPUT_CLEARCOAT)) {
+        warn("a reflection above a coat is left out");
+        return {base};
+    }
+    if (top.layered.values[HDS_INPUT_SCHLICK_EXPONENT]) {
+        warn("above another reflection it has that of its index, without its colours");
+    }
+    SetCoat(top, &base);
+    return {base};
+}
+
+/// Metal by Schlick's term, and nothing else.
+bool IsSchlickMetal(const LayeredMaterial& layered) {
+    return Has(layered, HDS_INPUT_METALLIC) && (layered.lobes & HDS_LOBE_CONDUCTOR) == 0 &&
+           IsAll(ValueOf(layered, HDS_INPUT_DIELECTRIC), 0.0F) &&
+           HasNone(layered, {HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+}
+
+/// The same as a reflection that lets through what it does not reflect.
+ClosureSlab AsReflection(ClosureSlab metal) {
+    auto& values = metal.layered.values;
+    values[HDS_INPUT_SPECULAR_WEIGHT] = std::exchange(values[HDS_INPUT_METALLIC], {});
+    values[HDS_INPUT_SCHLICK_COLOR] = std::exchange(values[HDS_INPUT_METAL_COLOR], {});
+    values[HDS_INPUT_SCHLICK_EDGE] = std::exchange(values[HDS_INPUT_EDGE_COLOR], {});
+    values[HDS_INPUT_SCHLICK_EXPONENT] = MakeScalar(5.0F);
+    values[HDS_INPUT_DIELECTRIC] = {};
+    return metal;
+}
+
 /// One slab on another. What has no place in a layered surface is left out.
 ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
     const LayeredMaterial& below = base.layered;
     if (IsNothing(top.layered)) {
         return {base};
     }
+    if (IsSchlickMetal(top.layered) && !IsNothing(below)) {
+        return LayerOne(AsReflection(top), std::move(base), warn);
+    }
     if (Has(below, HDS_INPUT_HAIR)) {
         warn("what lies on hair is left out");
         return {base};
+    }
+    if (IsReflection(top.layered) && !HasPlaceFor(top.layered, below)) {
+        return CoatOne(top, std::move(base), warn);
     }
     if (!below.values[HDS_INPUT_NORMAL]) {
         base.layered.values[HDS_INPUT_NORMAL] = top.layered.values[HDS_INPUT_NORMAL];
     }
     if (IsReflection(top.layered)) {
-        const bool isGlass =
-            Has(below, HDS_INPUT_TRANSMISSION) && AreSame(top.layered, below, HDS_INPUT_ROUGHNESS);
-        if (!Has(below, HDS_INPUT_SPECULAR_WEIGHT) && !Has(below, HDS_INPUT_METALLIC) &&
-            !Has(below, HDS_INPUT_CLEARCOAT) && (isGlass || !Has(below, HDS_INPUT_TRANSMISSION)) &&
-            (below.flags & HDS_MATERIAL_FUZZ) == 0) {
-            SetReflection(top, &base);
-        } else if (!Has(below, HDS_INPUT_CLEARCOAT)) {
-            SetCoat(top, &base);
-        } else {
-            warn("a reflection above a coat is left out");
-        }
+        SetReflection(top, &base);
         return {base};
     }
     if (IsSheen(top.layered)) {

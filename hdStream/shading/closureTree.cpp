@@ -109,24 +109,30 @@ public:
     ClosureSlabs GeneralizedSchlick(const MaterialNode& node) {
         const std::string mode = _network.Text(node, "scatter_mode");
         const ShaderValue front = Color(node, "color0", 1.0F);
-        if (!IsAll(Color(node, "color90", 1.0F), 1.0F) ||
-            !IsAll(Scalar(node, "exponent", 5.0F), 5.0F)) {
-            _network.Warn(node.path + ": color90 is 1 and exponent 5 here");
-        }
-        if ((mode.empty() || mode == "R") && !IsDark(front)) {
-            return Metal(node, front, Color(node, "color82", 1.0F));
+        const ShaderValue edge = Color(node, "color82", 1.0F);
+        const bool isReflected = mode.empty() || mode == "R";
+        const bool isSchlicks = IsAll(Color(node, "color90", 1.0F), 1.0F) &&
+                                IsAll(Scalar(node, "exponent", 5.0F), 5.0F);
+        if (isReflected && isSchlicks && !IsDark(front)) {
+            return Metal(node, front, edge);
         }
         ClosureSlab slab = Rough(node);
         LayeredMaterial& layered = slab.layered;
         const ShaderValue weight = Scalar(node, "weight", 1.0F);
         layered.values[HDS_INPUT_IOR] = IndexOf(front);
-        layered.values[HDS_INPUT_SPECULAR_WEIGHT] = mode == "T" ? MakeScalar(0.0F) : weight;
+        layered.values[HDS_INPUT_SPECULAR_WEIGHT] = weight;
         SetFilm(node, &layered);
-        if (!mode.empty() && mode != "R") {
+        if (!isReflected) {
             layered.values[HDS_INPUT_SPECULAR_WEIGHT] = MakeScalar(mode == "RT" ? 1.0F : 0.0F);
             layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
-            layered.values[HDS_INPUT_TRANSMISSION_COLOR] = Color(node, "color82", 1.0F);
             slab.factor = weight;
+        }
+        if (mode != "T" && !(isSchlicks && IsDark(front) && IsAll(edge, 1.0F))) {
+            layered.values[HDS_INPUT_SCHLICK_EXPONENT] =
+                MakeMath(HDS_MATH_MAX, {Scalar(node, "exponent", 5.0F), MakeScalar(1e-4F)}, 1);
+            layered.values[HDS_INPUT_SCHLICK_COLOR] = front;
+            layered.values[HDS_INPUT_SCHLICK_GRAZING] = Color(node, "color90", 1.0F);
+            layered.values[HDS_INPUT_SCHLICK_EDGE] = edge;
         }
         return {slab};
     }
@@ -329,15 +335,18 @@ private:
             3);
     }
 
-    /// Whether a reflectance at normal incidence is one that dielectrics have.
+    /// Whether a reflectance at normal incidence is a grey that dielectrics have.
     static bool IsDark(const ShaderValue& front) {
-        return IsConstant(front) &&
-               std::all_of(ConstantOf(front).begin(), ConstantOf(front).begin() + 3,
-                           [](float x) { return x <= 0.1F; });
+        const std::array<float, 4> none{1.0F};
+        const std::array<float, 4>& c = IsConstant(front) ? ConstantOf(front) : none;
+        return c[0] <= 0.1F && c[0] == c[1] && c[0] == c[2];
     }
-    /// The index whose reflectance at normal incidence that is; of a colour, its first channel's.
+    /// The index whose reflectance at normal incidence that is; of a colour, its mean's.
     static ShaderValue IndexOf(const ShaderValue& front) {
-        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {SelectChannel(front, 0)}, 1);
+        const ShaderValue third = MakeConstant({1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F}, 3);
+        const ShaderValue mean =
+            IsDark(front) ? SelectChannel(front, 0) : MakeMath(HDS_MATH_DOT, {front, third}, 1);
+        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {mean}, 1);
         return Divide(Add(MakeScalar(1.0F), root, 1), OneMinus(root, 1), 1);
     }
 

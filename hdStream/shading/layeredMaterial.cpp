@@ -69,7 +69,7 @@ public:
         const ShaderValue affect =
             Multiply(Read("coat_affect_roughness"), Multiply(coat, Read("coat_roughness"), 1), 1);
         Set(HDS_INPUT_ROUGHNESS, Mix(Read("specular_roughness"), MakeScalar(1.0F), affect, 1));
-        SetStandardStretch();
+        SetStandardStretch(HDS_INPUT_STRETCH, "specular_anisotropy", "specular_rotation");
         SetTransmission("transmission", "transmission_color", "transmission_depth");
         Set(HDS_INPUT_SHEEN, Read("sheen"));
         Set(HDS_INPUT_SHEEN_COLOR, Read("sheen_color"));
@@ -88,8 +88,10 @@ public:
         Ignore("transmission_extra_roughness", {"transmission"});
         const float abbe = Uniform("transmission_dispersion", {"transmission"});
         SetDispersion(abbe > 0.0F ? 1.0F / abbe : 0.0F);
-        Ignore("coat_anisotropy", {"coat"});
-        IgnoreFrame("coat_normal", "normal", {"coat"});
+        SetCoatNormal("coat_normal", {"coat"});
+        if (AreShown({"coat", "coat_anisotropy"})) {
+            SetStandardStretch(HDS_INPUT_COAT_STRETCH, "coat_anisotropy", "coat_rotation");
+        }
         return Take();
     }
 
@@ -122,7 +124,7 @@ public:
         const ShaderValue rougher =
             Power(MakeMath(HDS_MATH_MIN, {sum, MakeScalar(1.0F)}, 1), MakeScalar(0.25F), 1);
         Set(HDS_INPUT_ROUGHNESS, Mix(roughness, rougher, coat, 1));
-        SetOpenPbrStretch();
+        SetOpenPbrStretch(HDS_INPUT_STRETCH, "specular_roughness_anisotropy", "geometry_tangent");
         SetTransmission("transmission_weight", "transmission_color", "transmission_depth");
         Set(HDS_INPUT_SHEEN, Read("fuzz_weight"));
         Set(HDS_INPUT_SHEEN_COLOR, Read("fuzz_color"));
@@ -145,10 +147,11 @@ public:
         const float abbe = Uniform("transmission_dispersion_abbe_number",
                                    {"transmission_weight", "transmission_dispersion_scale"});
         SetDispersion(abbe > 0.0F ? scale / abbe : 0.0F);
-        Ignore("coat_roughness_anisotropy", {"coat_weight"});
-        IgnoreFrame("geometry_coat_normal", "geometry_normal", {"coat_weight"});
-        IgnoreFrame("geometry_coat_tangent", "geometry_tangent",
-                    {"coat_weight", "coat_roughness_anisotropy"});
+        SetCoatNormal("geometry_coat_normal", {"coat_weight"});
+        if (AreShown({"coat_weight", "coat_roughness_anisotropy"})) {
+            SetOpenPbrStretch(HDS_INPUT_COAT_STRETCH, "coat_roughness_anisotropy",
+                              "geometry_coat_tangent");
+        }
         return Take();
     }
 
@@ -190,7 +193,7 @@ public:
         SetGltfStretch();
         constexpr float kGltfAbbe = 20.0F; // of dispersion 1
         SetDispersion(Uniform("dispersion", {"transmission"}) / kGltfAbbe);
-        IgnoreFrame("clearcoat_normal", "normal", {"clearcoat"});
+        SetCoatNormal("clearcoat_normal", {"clearcoat"});
         return Take();
     }
 
@@ -251,19 +254,19 @@ private:
         _result.flags |= HDS_MATERIAL_MEDIUM;
     }
 
-    void SetStandardStretch() {
-        const ShaderValue anisotropy = Read("specular_anisotropy");
+    void SetStandardStretch(std::uint32_t input, const char* name, const char* rotation) {
+        const ShaderValue anisotropy = Read(name);
         if (IsAll(anisotropy, 0.0F)) {
             return;
         }
         const ShaderValue limited = MakeMath(HDS_MATH_MIN, {anisotropy, MakeScalar(0.98F)}, 1);
         const ShaderValue aspect = MakeMath(HDS_MATH_SQRT, {OneMinus(limited, 1)}, 1);
-        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect,
-                   Add(TurnsOf("tangent"), Read("specular_rotation"), 1));
+        SetStretch(input, Divide(MakeScalar(1.0F), aspect, 1), aspect,
+                   Add(TurnsOf("tangent"), Read(rotation), 1));
     }
 
-    void SetOpenPbrStretch() {
-        const ShaderValue anisotropy = Read("specular_roughness_anisotropy");
+    void SetOpenPbrStretch(std::uint32_t input, const char* name, const char* tangent) {
+        const ShaderValue anisotropy = Read(name);
         if (IsAll(anisotropy, 0.0F)) {
             return;
         }
@@ -271,7 +274,7 @@ private:
         const ShaderValue along = MakeMath(
             HDS_MATH_SQRT,
             {Divide(MakeScalar(2.0F), Add(Multiply(left, left, 1), MakeScalar(1.0F), 1), 1)}, 1);
-        SetStretch(along, Multiply(left, along, 1), TurnsOf("geometry_tangent"));
+        SetStretch(input, along, Multiply(left, along, 1), TurnsOf(tangent));
     }
 
     /// The square of the strength brings GGX's alpha along x to 1.
@@ -286,14 +289,15 @@ private:
         const ShaderValue along = Mix(alpha, MakeScalar(1.0F), Multiply(strength, strength, 1), 1);
         const ShaderValue turns =
             Multiply(Read("anisotropy_rotation"), MakeScalar(kTurnsOfRadian), 1);
-        SetStretch(Divide(along, alpha, 1), MakeScalar(1.0F), Add(TurnsOf("tangent"), turns, 1));
+        SetStretch(HDS_INPUT_STRETCH, Divide(along, alpha, 1), MakeScalar(1.0F),
+                   Add(TurnsOf("tangent"), turns, 1));
     }
 
     ShaderValue TurnsOf(const char* tangent) { return EvaluateTangent(_network, _node, tangent); }
 
-    void SetStretch(const ShaderValue& along, const ShaderValue& across, const ShaderValue& turns) {
-        Set(HDS_INPUT_STRETCH,
-            MakeMath(HDS_MATH_COMBINE, {along, across, turns, MakeScalar(0.0F)}, 4));
+    void SetStretch(std::uint32_t input, const ShaderValue& along, const ShaderValue& across,
+                    const ShaderValue& turns) {
+        Set(input, MakeMath(HDS_MATH_COMBINE, {along, across, turns, MakeScalar(0.0F)}, 4));
     }
 
     /// \param thickness in nanometres
@@ -398,13 +402,19 @@ private:
         return value.numComponents == 1 ? value : SelectChannel(value, 0);
     }
 
+    using Names = std::initializer_list<const char*>;
+
+    /// \pre SetNormal.
+    void SetCoatNormal(const char* input, Names shownBy) {
+        if (AreShown(shownBy)) {
+            SetOwnNormal(EvaluateNormal(_network, _node, input), &_result);
+        }
+    }
     void SetNormal(const char* input) {
         if (ShaderValue normal = EvaluateNormal(_network, _node, input)) {
             Set(HDS_INPUT_NORMAL, normal);
         }
     }
-
-    using Names = std::initializer_list<const char*>;
 
     /// The value of an input that is the same all over a surface; 0 of one that is not shown, and
     /// of one that varies, with a warning.
@@ -429,18 +439,6 @@ private:
     void Ignore(const char* input, Names shownBy = {}) {
         if (AreShown(shownBy) && !IsAll(Read(input), 0.0F)) {
             Warn(input, "is not supported and is left out");
-        }
-    }
-    /// Warns of a normal or tangent that is not the surface's, nor that of the input `same`.
-    void IgnoreFrame(const std::string& input, const std::string& same, Names shownBy) {
-        const auto own = _node.connections.find(input);
-        const auto other = _node.connections.find(same);
-        const bool isSame = input != same && own != _node.connections.end() &&
-                            other != _node.connections.end() &&
-                            own->second.upstreamPath == other->second.upstreamPath &&
-                            own->second.upstreamOutput == other->second.upstreamOutput;
-        if (AreShown(shownBy) && !isSame && !IsSurfaces(_network, _node, input)) {
-            Warn(input, kSurfacesFrame);
         }
     }
     bool AreShown(Names inputs) {
@@ -493,6 +491,13 @@ const Model* FindModel(std::string_view identifier) {
 
 } // namespace
 
+void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material) {
+    if (!AreSame(normal, material->values[HDS_INPUT_NORMAL])) {
+        const ShaderValue smooth = MakeConstant({0.0F, 0.0F, 1.0F, 1.0F}, 3);
+        material->values[HDS_INPUT_COAT_NORMAL] = normal ? normal : smooth;
+    }
+}
+
 void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material) {
     material->values[HDS_INPUT_METAL_COLOR] = color;
     material->values[HDS_INPUT_EDGE_COLOR] = Subtract(MakeScalar(-1.0F), edge, 3);
@@ -524,6 +529,11 @@ void FinishLayered(LayeredMaterial* material) {
                       (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
                       (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
                       (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
+                      (values[HDS_INPUT_SCHLICK_EXPONENT] ? HDS_LOBE_SCHLICK : 0U) |
+                      (has(HDS_INPUT_CLEARCOAT) &&
+                               (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
+                           ? HDS_LOBE_COAT_FRAME
+                           : 0U) |
                       (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
                       (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
                            ? HDS_LOBE_TRANSLUCENCY
@@ -538,7 +548,7 @@ void FinishLayered(LayeredMaterial* material) {
         }
     };
     drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
-                         HDS_INPUT_COAT_TINT});
+                         HDS_INPUT_COAT_TINT, HDS_INPUT_COAT_NORMAL, HDS_INPUT_COAT_STRETCH});
     drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
     drop(HDS_LOBE_TRANSMISSION, {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR,
                                  HDS_INPUT_ABSORPTION, HDS_INPUT_SCATTERING});

@@ -20,6 +20,10 @@ struct LayeredMaterial {
     float dispersion = 0.0F; ///< one over the Abbe number of what refracts; 0: none
 };
 
+/// Gives the coat a normal where that is not the surface's. \param normal as HDS_INPUT_NORMAL;
+/// empty: none. \pre HDS_INPUT_NORMAL is set.
+void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material);
+
 /// Makes the metal a conductor, with Fresnel's equations. \param color reflectance at normal
 /// incidence. \param edge Gulbrandsen's tint of its edge (Gulbrandsen 2014)
 void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material);

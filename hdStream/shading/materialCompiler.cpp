@@ -67,13 +67,17 @@ CompiledMaterial DefaultMaterial() {
     return material;
 }
 
+bool IsNormal(std::uint32_t input) {
+    return input == HDS_INPUT_NORMAL || input == HDS_INPUT_COAT_NORMAL;
+}
+
 /// One component spreads over a colour, a scalar takes the first of many. Empty: a wrong type.
 ShaderValue FitToInput(std::uint32_t input, ShaderValue value) {
     const InputRow& row = kInputs[input];
     if (row.numComponents == 1 || value.numComponents >= 3) {
         return value;
     }
-    if (value.numComponents != 1 || input == HDS_INPUT_NORMAL) {
+    if (value.numComponents != 1 || IsNormal(input)) {
         return {};
     }
     if (IsConstant(value)) {
@@ -396,7 +400,7 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
     }
     program.push_back({input, value});
     record.programInputs |= isInRecord ? 1U << input : 0U;
-    if (input == HDS_INPUT_NORMAL && HasFrame(value)) {
+    if (IsNormal(input) && HasFrame(value)) {
         record.flags |= HDS_MATERIAL_TANGENTS;
     }
 }
@@ -557,10 +561,10 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
         std::uint32_t tangentSlot = HDS_NONE;
         const bool needsFrame =
             std::any_of(inputs.begin(), inputs.end(), [](const ProgramInput& one) {
-                return one.input == HDS_INPUT_NORMAL &&
-                       (HasSlope(one.value) || !HasFrame(one.value));
+                return IsNormal(one.input) && (HasSlope(one.value) || !HasFrame(one.value));
             });
-        if (needsFrame || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
+        constexpr std::uint32_t kTurned = HDS_LOBE_ANISOTROPY | HDS_LOBE_COAT_FRAME;
+        if (needsFrame || (result.record.lobes & kTurned) != 0 ||
             (result.record.flags & HDS_MATERIAL_HAIR) != 0) {
             // Coordinates that are the same all over a prim have no tangents.
             const std::vector<AttributeName> none;

@@ -30,7 +30,7 @@ std::set<std::string> PrimvarsOf(const CompiledMaterial& material) {
         AddPrimvars(value, &visited, &names);
     }
     const ShaderValue& normal = material.values[HDS_INPUT_NORMAL];
-    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
+    if ((material.constants.lobes & (HDS_LOBE_ANISOTROPY | HDS_LOBE_COAT_FRAME)) != 0 ||
         (material.constants.flags & HDS_MATERIAL_HAIR) != 0 || (normal && HasSlope(normal))) {
         names.insert(kTangentPrimvars.begin(), kTangentPrimvars.end());
     }

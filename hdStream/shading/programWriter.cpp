@@ -60,7 +60,7 @@ public:
     void WriteGroup(const std::vector<const ProgramInput*>& group) {
         const ShaderValue whole{group[0]->value.expression, HDS_CHANNEL_ALL, 4};
         const bool hasNormal = std::any_of(group.begin(), group.end(), [](const auto* one) {
-            return one->input == HDS_INPUT_NORMAL;
+            return one->input == HDS_INPUT_NORMAL || one->input == HDS_INPUT_COAT_NORMAL;
         });
         Push(whole, hasNormal);
         for (const ProgramInput* one : group) {

@@ -38,6 +38,7 @@ constexpr SurfaceInput kStandardSurfaceInputs[] = {
     {"coat_color", 3, 1.0F},
     {"coat_roughness", 1, 0.1F},
     {"coat_anisotropy", 1, 0.0F},
+    {"coat_rotation", 1, 0.0F},
     {"coat_IOR", 1, 1.5F},
     {"coat_affect_color", 1, 0.0F},
     {"coat_affect_roughness", 1, 0.0F},

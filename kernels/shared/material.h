@@ -47,7 +47,12 @@ enum {
 #define HDS_LOBE_TRANSLUCENCY 32u /* diffuse transmission */
 #define HDS_LOBE_FILM 64u         /* a thin film over the base */
 #define HDS_LOBE_CONDUCTOR 128u   /* metal by Fresnel's equations, not by Schlick's term */
-#define HDS_LOBES_ALL 255u
+#define HDS_LOBE_SCHLICK 256u     /* a dielectric's reflection by Schlick's term, generalised */
+#define HDS_LOBE_COAT_FRAME 512u  /* a coat with a normal of its own, or stretched */
+#define HDS_LOBES_ALL 1023u
+#define HDS_LOBES_RARE 768u /* those that HDS_RARE_INPUT is for */
+/* Those that are known to the form of one path alone (HDS_SHADE_WIDE). */
+#define HDS_LOBES_ALONE (HDS_LOBE_FILM | HDS_LOBE_SCHLICK)
 
 /* What a ray goes through (shading/medium.clh). */
 #define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */

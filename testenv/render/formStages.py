@@ -2,7 +2,7 @@
 """Stages on which forms of kernels are compared: each shows surfaces and lights of unlike kinds side by side."""
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, Vt
 from stages import author, hair, lightCases, materialCases, materialX, media, shapes, textured
 
 
@@ -50,6 +50,12 @@ def Layered(path) -> None:
     sheet = materialX.AddSurface(stage, "/World/Looks/Sheet", thin_walled=True, subsurface=1.0, subsurface_color=(0.3, 0.8, 0.4))
     author.AddMesh(stage, "/World/Sheet", shapes.Plane(2.0, 2.0), material=sheet, doubleSided=True, translate=(-2.4, 1.0, 2.0),
                    rotate=(70, 30, 0))
+    UsdShade.Material.Define(stage, "/World/Looks/Lacquer")
+    bumps = materialX.AddNode(stage, "/World/Looks/Lacquer/Bumps", "ND_normalmap", Sdf.ValueTypeNames.Vector3f,
+                              **{"in": Gf.Vec3f(0.7, 0.4, 0.9)})
+    lacquer = materialX.AddSurface(stage, "/World/Looks/Lacquer", base_color=(0.3, 0.1, 0.4), specular_roughness=0.5, coat=1.0,
+                                   coat_roughness=0.3, coat_anisotropy=0.7, normal=bumps)
+    author.AddMesh(stage, "/World/Lacquered", materialX.Ball(0.5), material=lacquer, translate=(-2.4, 0.5, 0.5))
     _Blur(stage, 5.0, 9.0)
     stage.GetRootLayer().Save()
 

@@ -74,20 +74,18 @@ def test_opacity_shows_what_is_behind(tmp_path):
 
 def test_what_is_left_out_is_said_once(tmp_path):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
-    material = AddSurface(stage, "/World/Look", transmission=0.5, transmission_extra_roughness=0.1, coat=1.0, coat_anisotropy=0.5)
+    material = AddSurface(stage, "/World/Look", transmission=0.5, transmission_extra_roughness=0.1)
     for i in range(3):
         author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(1.0, 8, 16), material=material, translate=(i, 0, 0))
     author.AddCamera(stage)
     stage.GetRootLayer().Save()
     warnings = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
-    for name in ("transmission_extra_roughness of /World/Look/Surface", "coat_anisotropy of /World/Look/Surface"):
-        assert len([text for text in warnings if name in text]) == 1, warnings
+    assert len([text for text in warnings if "transmission_extra_roughness of /World/Look/Surface" in text]) == 1, warnings
 
 
 # Exporters write every input, and connect the tangent (Blender). {material: (identifier, inputs, inputs with what shows them)}
 _WRITTEN = {
-    "Standard": (STANDARD, dict(coat_anisotropy=0.5, transmission_extra_roughness=0.1), dict(coat=1.0, transmission=0.5)),
-    "OpenPbr": (OPEN_PBR, dict(coat_roughness_anisotropy=0.5), dict(coat_weight=1.0, transmission_weight=0.5)),
+    "Standard": (STANDARD, dict(transmission_extra_roughness=0.1), dict(transmission=0.5)),
 }
 
 
@@ -127,6 +125,5 @@ def test_tangents_that_nothing_shows_are_not_warned_of(tmp_path):
     assert _FrameStage(tmp_path, OPEN_PBR, dict(coat_roughness_anisotropy=0.5), frames, True) == []
     assert _FrameStage(tmp_path, OPEN_PBR, bent, frames, False) == []
     assert _FrameStage(tmp_path, OPEN_PBR, bent, frames, True) == []
-    # The coat's own is not supported at all; its tangent is the surface's here.
-    assert ["coat_roughness_anisotropy" in line for line in _FrameStage(tmp_path, OPEN_PBR, coated, frames, True)] == [True]
-    assert len(_FrameStage(tmp_path, OPEN_PBR, coated, frames[1:], True)) == 2
+    assert _FrameStage(tmp_path, OPEN_PBR, coated, frames, True) == []
+    assert _FrameStage(tmp_path, OPEN_PBR, coated, frames[1:], True) == []

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls,
-curveShapes, glass, hair, hairBalls, pointCloud, media, smoke, island, skyRoom, sunRoom, panelRoom or a
-verification case.
+curveShapes, glass, hair, hairBalls, pointCloud, media, smoke, island, skyRoom, sunRoom, panelRoom, displacedBall
+or a verification case.
 
 OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes`, `grove`, `hair`, `hairBalls` and
 `pointCloud` take a size as a third argument, and `island` a fraction (0.01, 0.1, 1), whose counts it prints. Without
@@ -13,14 +13,15 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, curves, demo, glass, grove, hair, island, materialX, media, rooms, smoke  # noqa: E402
+from stages import bench, curves, demo, glass, grove, hair, island, materialX, media, rooms, smoke, subdivided  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
             "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls, "media": media.WriteMedia,
             "smoke": smoke.WriteSmoke, "glass": glass.WriteGlass, "curveShapes": curves.WriteShapes,
             "hair": curves.WriteHair, "hairBalls": hair.WriteHairBalls, "pointCloud": curves.WritePointCloud, "island": island.WriteIsland,
-            "skyRoom": rooms.WriteSkyRoom, "sunRoom": rooms.WriteSunRoom, "panelRoom": rooms.WritePanelRoom}
+            "skyRoom": rooms.WriteSkyRoom, "sunRoom": rooms.WriteSunRoom, "panelRoom": rooms.WritePanelRoom,
+            "displacedBall": subdivided.WriteDisplacedBall}
 
 
 def main(arguments: list[str]) -> int:

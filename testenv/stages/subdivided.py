@@ -2,9 +2,9 @@
 """Cages of Catmull-Clark surfaces with curved, glossy limits, on which a level that is too low is seen. Deterministic."""
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Sdf, UsdGeom
 
-from . import author, shapes
+from . import author, materialX, shapes
 
 
 def _AddCage(stage, path: str, shape: shapes.Shape, **look) -> None:
@@ -30,4 +30,22 @@ def WriteSubdivided(path, copies: int = 3) -> None:
                     intensity=10.0)
     author.AddLight(stage, "/World/Dome", "Dome", intensity=0.5)
     author.AddCamera(stage, eye=(0, 2.4, 5.2), target=(0, 0.6, -1.2), aspect=16 / 9)
+    stage.GetRootLayer().Save()
+
+
+def WriteDisplacedBall(path) -> None:
+    """A coarse ball that a graph displaces: fractal noise of the position in object space."""
+    stage = author.NewStage(path)
+    look, types = "/World/Looks/Rock", Sdf.ValueTypeNames
+    material = materialX.AddSurface(stage, look, base_color=(0.5, 0.4, 0.3), specular_roughness=0.4)
+    at = materialX.AddNode(stage, f"{look}/Place", "ND_position_vector3", types.Vector3f)
+    scaled = materialX.AddNode(stage, f"{look}/Scaled", "ND_multiply_vector3FA", types.Vector3f, in1=at, in2=2.5)
+    noise = materialX.AddNode(stage, f"{look}/Noise", "ND_fractal3d_float", types.Float, position=scaled, octaves=4, amplitude=1.0)
+    moved, _ = materialX.AddNode(stage, f"{look}/Displacement", "ND_displacement_float", types.Token, displacement=noise, scale=0.2)
+    material.CreateDisplacementOutput("mtlx").ConnectToSource(moved.GetOutput("out"))
+    _AddCage(stage, "/World/Ball", shapes.Sphere(1.0, 8, 16), material=material)
+    author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(-2, 4, 3), rotate=(-50, -30, 0)), width=2.0, height=2.0,
+                    intensity=15.0)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=0.3)
+    author.AddCamera(stage, eye=(0, 0.8, 3.4), target=(0, 0, 0), aspect=1.0)
     stage.GetRootLayer().Save()

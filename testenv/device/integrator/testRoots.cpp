@@ -93,7 +93,7 @@ TEST_F(Roots, BuildForEightPaths) {
         GTEST_SKIP() << "the form of 8 paths is for CPUs";
     }
     NamedFeatures wide{"all that is wide", AllFeatures()};
-    wide.f.lobes &= ~HDS_LOBE_FILM;
+    wide.f.lobes &= ~HDS_LOBES_ALONE;
     wide.f.lightControls = wide.f.lightMotion = wide.f.lightFilters = false;
     wide.f.rayVisibility = wide.f.catchers = wide.f.pathLimits = wide.f.terminator = false;
     wide.f.lightPaths = 0;

@@ -10,9 +10,9 @@
 namespace hds::test {
 namespace {
 
-constexpr std::size_t kMaxInputs = 32;
+constexpr std::size_t kMaxInputs = 48;
 constexpr std::size_t kNumbers = 3 * kMaxInputs + 17;
-constexpr std::size_t kResults = 104;
+constexpr std::size_t kResults = 115;
 
 const char* const kText = R"(
 Real* putSpace(Real* out, const HdsShadingPoint* s) {
@@ -21,6 +21,13 @@ Real* putSpace(Real* out, const HdsShadingPoint* s) {
     out = put3(out, s->frame.z);
     out = put3(out, s->geomNormal);
     out = put3(out, s->geomLocal);
+#if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
+    out = put3(out, s->base.x);
+    out = put3(out, s->base.y);
+    out = put3(out, s->base.z);
+#else
+    for (uint k = 0u; k < 9u; ++k) out = put1(out, (Real)(0.0f));
+#endif
     return put3(out, s->wo);
 }
 Real* putPreview(Real* out, Bool isIt, const HdsSurface* s) {
@@ -67,6 +74,13 @@ Real* putLayered(Real* out, Bool isIt, const HdsLayeredSurface* s) {
     out = put1(out, only1(isIt, s->coatShare));
     out = put1(out, only1(isIt, s->refractedShare));
     out = put1(out, only1(isIt, s->translucentShare));
+#if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
+    out = put1(out, only1(isIt, s->coatStretch.x));
+    out = put1(out, only1(isIt, s->coatStretch.y));
+#else
+    out = put1(out, (Real)(0.0f));
+    out = put1(out, (Real)(0.0f));
+#endif
 #if HDS_FEATURE_MEDIA
     out = put1(out, only1(isIt, s->farShare));
 #else
@@ -75,7 +89,7 @@ Real* putLayered(Real* out, Bool isIt, const HdsLayeredSurface* s) {
     return out;
 }
 #endif
-/* in: values of 32 inputs; two normals, two tangents, the viewer; lobes and flags. */
+/* in: values of 48 inputs; two normals, two tangents, the viewer; lobes and flags. */
 void materials(const HdsTestContext* context, const Real* in, Real* out) {
     HdsMaterialPoint m;
     for (uint i = 0u; i < HDS_NUM_BSDF_INPUTS; ++i) {
@@ -83,7 +97,7 @@ void materials(const HdsTestContext* context, const Real* in, Real* out) {
         m.values[i].y = in[3u * i + 1u];
         m.values[i].z = in[3u * i + 2u];
     }
-    const Real* at = in + 96;
+    const Real* at = in + 144;
     m.normal = take3(at);
     m.shadingNormal = take3(at + 3);
     m.alongS = take3(at + 6);
@@ -112,7 +126,7 @@ void materials(const HdsTestContext* context, const Real* in, Real* out) {
 )";
 
 const char* const kKernels = R"(
-HDS_TEST_FORMS(materials, 113, 104)
+HDS_TEST_FORMS(materials, 161, 115)
 )";
 
 /// The value of an input: mostly in its range, at times out of it, and not a number.
@@ -136,6 +150,9 @@ void AddMaterial(LaneRandom& r, std::uint32_t lobes, LaneCase& one) {
     if (r.Is(2)) { // no bump
         const float flat[] = {0.0F, 0.0F, 1.0F};
         std::copy(std::begin(flat), std::end(flat), &one[std::size_t{3} * HDS_INPUT_NORMAL]);
+    }
+    if (r.Is(2)) { // a coat with the surface's normal
+        std::fill_n(&one[std::size_t{3} * HDS_INPUT_COAT_NORMAL], 3, 0.0F);
     }
     if (r.Is(3)) { // a conductor
         for (std::size_t i = 0; i < 3; ++i) {
@@ -171,12 +188,12 @@ protected:
 };
 
 TEST_F(WideMaterials, OfPreviewSurfacesHaveTheSameBits) {
-    EXPECT_EQ(ExpectSame({}, 0), 58U) << "those of layered surfaces";
+    EXPECT_EQ(ExpectSame({}, 0), 69U) << "those of layered surfaces";
 }
 
 TEST_F(WideMaterials, OfLayeredSurfacesHaveTheSameBits) {
     const std::size_t numBare = ExpectSame({}, HDS_LOBE_BASE);
-    const std::size_t numWhole = ExpectSame({}, HDS_LOBES_ALL & ~HDS_LOBE_FILM);
+    const std::size_t numWhole = ExpectSame({}, HDS_LOBES_ALL & ~HDS_LOBES_ALONE);
     EXPECT_LT(numWhole, numBare);
     EXPECT_LE(numWhole, 1U) << "the share of the other side";
 }
@@ -184,7 +201,7 @@ TEST_F(WideMaterials, OfLayeredSurfacesHaveTheSameBits) {
 TEST_F(WideMaterials, WithMediaAndClosuresHaveTheSameBits) {
     KernelFeatures features;
     features.media = features.mediaStack = features.closures = true;
-    EXPECT_EQ(ExpectSame(features, HDS_LOBES_ALL & ~HDS_LOBE_FILM), 0U);
+    EXPECT_EQ(ExpectSame(features, HDS_LOBES_ALL & ~HDS_LOBES_ALONE), 0U);
 }
 
 } // namespace

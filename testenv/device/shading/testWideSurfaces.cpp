@@ -15,8 +15,19 @@ const char* const kText = R"(
     R1(specularAlpha) R1(clearcoat) R1(clearcoatF0) R1(clearcoatAlpha) R1(opacity)          \
     R1(presence) U(isCutOut)
 HDS_TEST_STRUCT(Surface)
+#if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
+#define HDS_TEST_BASE(R3) R3(base.x) R3(base.y) R3(base.z)
+#define HDS_TEST_COAT(R2) R2(coatStretch)
+#define HDS_TEST_NUM_SPACE 27
+#define HDS_TEST_NUM_LAYERED 64
+#else
+#define HDS_TEST_BASE(R3)
+#define HDS_TEST_COAT(R2)
+#define HDS_TEST_NUM_SPACE 18
+#define HDS_TEST_NUM_LAYERED 53
+#endif
 #define HDS_TEST_FIELDS_ShadingPoint(R1, R2, R3, U) \
-    R3(frame.x) R3(frame.y) R3(frame.z) R3(geomNormal) R3(geomLocal) R3(wo)
+    R3(frame.x) R3(frame.y) R3(frame.z) R3(geomNormal) R3(geomLocal) R3(wo) HDS_TEST_BASE(R3)
 HDS_TEST_STRUCT(ShadingPoint)
 #define HDS_TEST_FIELDS_SurfacePoint(R1, R2, R3, U) R3(position) R3(normal) R1(planeError)
 HDS_TEST_STRUCT(SurfacePoint)
@@ -32,7 +43,8 @@ HDS_TEST_STRUCT(ScatteredRay)
     R3(sheen) R3(transmitted) R3(translucent) R3(passed) R3(absorption) R3(emission)        \
     R3(geomNormal) R2(alpha) R1(eta) R1(specularWeight) R1(diffuseRoughness)                \
     R1(sheenRoughness) R1(coat) R1(coatEta) R1(coatAlpha) R1(cosineShare)                   \
-    R1(specularShare) R1(coatShare) R1(refractedShare) R1(translucentShare)
+    R1(specularShare) R1(coatShare) R1(refractedShare) R1(translucentShare)                 \
+    HDS_TEST_COAT(R2) HDS_TEST_BASE(R3)
 HDS_TEST_STRUCT(LayeredSurface)
 #endif
 /* in: wo, wi, a normal, alphas, two numbers, eta. */
@@ -77,9 +89,13 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     in += 22;
 #if HDS_LOBES
     LayeredSurface_make(&at.bsdf.layered, in);
-    at.bsdf.isLayered = as_Uint(in[53]);
+    at.bsdf.isLayered = as_Uint(in[64]);
+#if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
+    at.bsdf.layered.base = frame_fromNormal(at.bsdf.layered.base.x);
+    at.shading.base = at.bsdf.layered.base;
 #endif
-    in += 54;
+#endif
+    in += 65;
     at.shading.frame = frame_fromNormal(take3(in));
     at.shading.geomNormal = take3(in + 3);
     at.shading.geomLocal = frame_toLocal(&at.shading.frame, at.shading.geomNormal);
@@ -140,14 +156,14 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
 
 const char* const kKernels = R"(
 HDS_TEST_FORMS(microfacets, 14, 31)
-HDS_TEST_FORMS(scatters, 116, 54)
+HDS_TEST_FORMS(scatters, 127, 54)
 HDS_TEST_LANES(Surface, 22)
-HDS_TEST_LANES(ShadingPoint, 18)
+HDS_TEST_LANES(ShadingPoint, HDS_TEST_NUM_SPACE)
 HDS_TEST_LANES(SurfacePoint, 7)
 HDS_TEST_LANES(LightSample, 12)
 HDS_TEST_LANES(ScatteredRay, 20)
 #if HDS_LOBES
-HDS_TEST_LANES(LayeredSurface, 53)
+HDS_TEST_LANES(LayeredSurface, HDS_TEST_NUM_LAYERED)
 #endif
 )";
 
@@ -214,6 +230,10 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     for (const float share : shares) {
         one.push_back(sum > 0.0F ? share / sum : 0.0F);
     }
+    one.Add({Alpha(r), Alpha(r)}); // of the coat
+    AddLocalNormal(r, one);        // of the base; two more directions that are not used
+    AddLocalNormal(r, one);
+    AddLocalNormal(r, one);
 }
 
 void AddScatter(LaneRandom& r, LaneCase& one) {
@@ -236,7 +256,7 @@ void AddScatter(LaneRandom& r, LaneCase& one) {
     one.Add({OfBits(r.Kind(9)), 0.0F, OfBits(r.Kind(2)), OfBits(r.Kind(9))});
 }
 
-/// By the lobes that are compiled; films have one form alone.
+/// By the lobes that are compiled; HDS_LOBES_ALONE have one form alone.
 class WideSurfaces : public LanesFixture, public ::testing::WithParamInterface<std::uint32_t> {
 protected:
     void SetUp() override {
@@ -274,17 +294,18 @@ TEST_P(WideSurfaces, ScatteringHasTheSameBits) {
 
 TEST_P(WideSurfaces, StructsLieInTheirLane) {
     ExpectLanes(*_program, "Surface", 22);
-    ExpectLanes(*_program, "ShadingPoint", 18);
+    const bool isFramed = (GetParam() & HDS_LOBE_COAT_FRAME) != 0;
+    ExpectLanes(*_program, "ShadingPoint", isFramed ? 27 : 18);
     ExpectLanes(*_program, "SurfacePoint", 7);
     ExpectLanes(*_program, "LightSample", 12);
     ExpectLanes(*_program, "ScatteredRay", 20);
     if (GetParam() != 0) {
-        ExpectLanes(*_program, "LayeredSurface", 53);
+        ExpectLanes(*_program, "LayeredSurface", isFramed ? 64 : 53);
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Lobes, WideSurfaces,
-                         ::testing::Values(0U, HDS_LOBE_BASE, HDS_LOBES_ALL & ~HDS_LOBE_FILM));
+                         ::testing::Values(0U, HDS_LOBE_BASE, HDS_LOBES_ALL & ~HDS_LOBES_ALONE));
 
 } // namespace
 } // namespace hds::test

@@ -28,7 +28,13 @@ struct LayeredParameters {
               HDS_INPUT_WEIGHT}) {
             Set(input, 1.0F);
         }
-        values[HDS_INPUT_STRETCH] = {1.0F, 1.0F, 0.0F, 0.0F};
+        for (const std::uint32_t input : {HDS_INPUT_STRETCH, HDS_INPUT_COAT_STRETCH}) {
+            values[input] = {1.0F, 1.0F, 0.0F, 0.0F};
+        }
+        for (const std::uint32_t input :
+             {HDS_INPUT_SCHLICK_COLOR, HDS_INPUT_SCHLICK_GRAZING, HDS_INPUT_SCHLICK_EDGE}) {
+            Set(input, 1.0F);
+        }
         Set(HDS_INPUT_IOR, 1.5F);
         Set(HDS_INPUT_COAT_IOR, 1.6F);
         Set(HDS_INPUT_ROUGHNESS, 0.3F);
@@ -62,6 +68,9 @@ HdsLayeredSurface unpackLayered(global const float* packed, float3 wo) {
     for (uint i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) values[i] = vload4(i, packed);
     values[HDS_INPUT_IOR].y = 1.0f; /* air is outside */
     HdsLayeredSurface s;
+    const float3 normal = values[HDS_INPUT_COAT_NORMAL].xyz; /* of the base, as the coat has it */
+    const bool isOwn = vec_lengthSquared(normal) > 0.0f;
+    s.base = frame_fromNormal(isOwn ? normal : (float3)(0.0f, 0.0f, 1.0f));
     layered_setup(&s, values, (uint)packed[PACKED - 2], (float3)(0.0f, 0.0f, 1.0f), wo,
                   packed[PACKED - 1] > 0.0f);
     return s;

@@ -40,6 +40,19 @@ inline double Metal(double color, double tint, double cosine) {
     return std::max(0.0, schlick(cosine) - a * lazanyi(cosine));
 }
 
+/// Schlick's term between two colours with any exponent, from which Lazanyi and Szirmay-Kalos' term
+/// takes so much that at cos 1/7 the tint is left (Hoffman 2023, "Generalization of Adobe's Fresnel
+/// Model", equations 3 to 5; MaterialX 1.39, generalized_schlick_bsdf).
+inline double Schlick(double color, double grazing, double tint, double exponent, double cosine) {
+    const auto mixed = [&](double c) {
+        const double part = std::pow(1.0 - c, exponent);
+        return (1.0 - part) * color + part * grazing;
+    };
+    const auto lazanyi = [](double c) { return c * std::pow(1.0 - c, 6.0); };
+    const double a = mixed(1.0 / 7.0) * (1.0 - tint) / lazanyi(1.0 / 7.0);
+    return std::max(0.0, mixed(cosine) - a * lazanyi(cosine));
+}
+
 /// Index and extinction of a metal by its reflectance at normal incidence and the tint of its edge
 /// (Gulbrandsen 2014, "Artist Friendly Metallic Fresnel", equations 1 to 3, solved for k).
 inline std::complex<double> ConductorIndex(double color, double tint) {
@@ -74,6 +87,22 @@ inline double Smith(const glm::dvec3& wo, const glm::dvec3& wi, double alpha) {
         return 0.5 * (std::sqrt(1.0 + alpha * alpha * tan2) - 1.0);
     };
     return 1.0 / (1.0 + lambda(wo) + lambda(wi));
+}
+
+/// f |cos(wi)| of a microfacet reflection with two alphas, along x and y (Heitz 2014, eqs. 85, 86
+/// and 99).
+inline double StretchedReflection(const glm::dvec3& wo, const glm::dvec3& wi, double alphaX,
+                                  double alphaY, double fresnel) {
+    const glm::dvec3 h = glm::normalize(wo + wi);
+    const auto lambda = [&](const glm::dvec3& w) {
+        const double x = alphaX * w.x / w.z;
+        const double y = alphaY * w.y / w.z;
+        return 0.5 * (std::sqrt(1.0 + x * x + y * y) - 1.0);
+    };
+    const double slopes = std::pow(h.x / h.z / alphaX, 2.0) + std::pow(h.y / h.z / alphaY, 2.0);
+    const double distribution =
+        1.0 / (kPi * alphaX * alphaY * std::pow(h.z, 4.0) * std::pow(1.0 + slopes, 2.0));
+    return fresnel * distribution / (1.0 + lambda(wo) + lambda(wi)) / (4.0 * wo.z);
 }
 
 /// f |cos(wi)| of a microfacet reflection (Walter et al. 2007, eq. 20).

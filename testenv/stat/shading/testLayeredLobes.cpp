@@ -219,6 +219,36 @@ TEST_F(LayeredLobesTest, CoatIsADielectricsGgx) {
     }
 }
 
+/// The coat has a frame of its own, in which it is stretched; below lies what has another normal.
+TEST_F(LayeredLobesTest, CoatMayHaveAFrameOfItsOwn) {
+    constexpr double kCoatIor = 1.6;
+    const glm::dvec3 normal = Towards(0.9, 2.0); // of the base
+    for (const double roughness : {0.1, 0.3, 0.6}) {
+        const double alphaX = 1.5 * AlphaOf(roughness);
+        const double alphaY = 0.5 * AlphaOf(roughness);
+        LayeredParameters p = White();
+        p.Set(HDS_INPUT_CLEARCOAT, 0.8F)
+            .Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, float(roughness))
+            .Set(HDS_INPUT_COAT_IOR, float(kCoatIor))
+            .Set(HDS_INPUT_COAT_STRETCH, 1.5F, 0.5F, 0.0F)
+            .Set(HDS_INPUT_COAT_NORMAL, float(normal.x), float(normal.y), float(normal.z));
+        const auto fresnel = [&](double cosine) { return reference::Dielectric(cosine, kCoatIor); };
+        std::map<double, double> albedos; // of the round one
+        for (const double o : kCosines) {
+            albedos[Towards(o).z] = reference::ReflectionAlbedo(o, AlphaOf(roughness), fresnel);
+        }
+        Check("framed coat " + std::to_string(roughness), p, Above(), kFloat, kTables,
+              [&](const glm::dvec3& wo, const glm::dvec3& wi, int) {
+                  const double cosine = glm::dot(wo, glm::normalize(wo + wi));
+                  const double below = std::max(0.0, glm::dot(wi, normal));
+                  const bool isSeen = glm::dot(wo, normal) > 0.0;
+                  return 0.8 * reference::StretchedReflection(wo, wi, alphaX, alphaY,
+                                                              fresnel(cosine)) +
+                         (isSeen ? (1.0 - 0.8 * albedos.at(wo.z)) * below / reference::kPi : 0.0);
+              });
+    }
+}
+
 class Metals : public LayeredLobesTest {
 protected:
     /// \param edges as the input has them. \param fresnel of the cosine and a channel
@@ -302,6 +332,55 @@ TEST_F(LayeredLobesTest, DielectricIsGgxOverWhatItLeaves) {
                   [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
                       const double left = 1.0 - 0.7 * albedos.at(wo.z) * gains.at(wo.z);
                       return lobe(wo, wi, k) + left * wi.z / reference::kPi;
+                  });
+        }
+    }
+}
+
+TEST_F(LayeredLobesTest, DielectricsMayHaveASchlicksTerm) {
+    const double colors[] = {0.04, 0.5, 0.9};
+    const double grazing[] = {1.0, 0.2, 0.6};
+    const double edges[] = {1.0, 0.7, 0.9};
+    for (const double roughness : {0.1, 0.3, 0.6, 1.0}) {
+        for (const double exponent : {1.0, 3.0, 5.0, 8.0}) {
+            const double alpha = AlphaOf(roughness);
+            const auto fresnel = [&](double cosine, int k) {
+                return reference::Schlick(colors[k], grazing[k], edges[k], exponent, cosine);
+            };
+            std::map<double, std::array<double, 3>> gains;
+            std::map<double, std::array<double, 3>> albedos;
+            for (const double o : kCosines) {
+                const double white =
+                    reference::ReflectionAlbedo(o, alpha, [](double) { return 1.0; });
+                for (int k = 0; k < 3; ++k) {
+                    gains[Towards(o).z][std::size_t(k)] = 1.0 + colors[k] * (1.0 - white) / white;
+                    albedos[Towards(o).z][std::size_t(k)] = reference::ReflectionAlbedo(
+                        o, alpha, [&](double cosine) { return fresnel(cosine, k); });
+                }
+            }
+            const LayeredParameters p = White()
+                                            .Set(HDS_INPUT_SPECULAR_WEIGHT, 0.7F)
+                                            .Set(HDS_INPUT_ROUGHNESS, float(roughness))
+                                            .Set(HDS_INPUT_SCHLICK_EXPONENT, float(exponent))
+                                            .Set(HDS_INPUT_SCHLICK_COLOR, 0.04F, 0.5F, 0.9F)
+                                            .Set(HDS_INPUT_SCHLICK_GRAZING, 1.0F, 0.2F, 0.6F)
+                                            .Set(HDS_INPUT_SCHLICK_EDGE, 1.0F, 0.7F, 0.9F);
+            const auto lobe = [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                const double cosine = glm::dot(wo, glm::normalize(wo + wi));
+                return 0.7 * gains.at(wo.z)[std::size_t(k)] *
+                       reference::Reflection(wo, wi, alpha, fresnel(cosine, k));
+            };
+            const std::string name =
+                "schlick " + std::to_string(roughness) + " " + std::to_string(exponent);
+            LayeredParameters black = p;
+            black.Set(HDS_INPUT_DIFFUSE_COLOR, 0.0F);
+            Check(name, black, Above(), kFloat + kTables, 0.0, lobe);
+            Check(name + " below", p, Above(), kFloat + kTables, kTables,
+                  [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                      const double reflected =
+                          albedos.at(wo.z)[std::size_t(k)] * gains.at(wo.z)[std::size_t(k)];
+                      return lobe(wo, wi, k) +
+                             (1.0 - 0.7 * std::min(reflected, 1.0)) * wi.z / reference::kPi;
                   });
         }
     }

@@ -55,6 +55,10 @@ std::vector<Case> WhiteCases() {
                                         .Set(HDS_INPUT_TRANSLUCENCY, 0.6F)});
     cases.push_back({"high index", WhiteDielectric(0.3F).Set(HDS_INPUT_IOR, 2.5F)});
     cases.push_back({"index 1", WhiteDielectric(0.3F).Set(HDS_INPUT_IOR, 1.0F)});
+    cases.push_back({"schlick", WhiteDielectric(0.3F)
+                                    .Set(HDS_INPUT_SCHLICK_EXPONENT, 2.0F)
+                                    .Set(HDS_INPUT_SCHLICK_COLOR, 0.3F)
+                                    .Set(HDS_INPUT_SCHLICK_GRAZING, 0.9F)});
     cases.push_back({"film", WhiteDielectric(0.3F).Set(HDS_INPUT_FILM, 1.0F, 400.0F, 1.8F)});
     cases.push_back({"film on metal", Metal(0.3F).Set(HDS_INPUT_FILM, 1.0F, 400.0F, 1.4F)});
     cases.push_back({"mixed", WhiteDielectric(0.3F)
@@ -173,6 +177,14 @@ TEST_F(LayeredTest, SamplesFollowTheirDensity) {
                        WhiteDielectric(0.7F)
                            .Set(HDS_INPUT_CLEARCOAT, 1.0F)
                            .Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, 0.5F),
+                       cosine, seed++);
+        CheckChiSquare("coat of its own frame",
+                       WhiteDielectric(0.7F)
+                           .Set(HDS_INPUT_CLEARCOAT, 1.0F)
+                           .Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, 0.5F)
+                           .Set(HDS_INPUT_COAT_STRETCH, 1.4F, 0.6F, 0.0F)
+                           .Set(HDS_INPUT_COAT_NORMAL, 0.48F, -0.36F, 0.8F)
+                           .Set(HDS_INPUT_TRANSLUCENCY, 0.7F),
                        cosine, seed++);
         CheckChiSquare("sheen", WhiteDielectric(0.6F).Set(HDS_INPUT_SHEEN, 1.0F), cosine, seed++);
         CheckChiSquare("translucent", WhiteDielectric(0.6F).Set(HDS_INPUT_TRANSLUCENCY, 0.7F),

@@ -65,8 +65,11 @@ TEST(GeneralKernels, LayeredSurfacesTakeTheSlowerSet) {
     features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT;
     ASSERT_EQ(GeneralFeatures(features).size(), 1U);
     EXPECT_TRUE(GeneralFeatures(features).front().media);
-    features.lobes |= HDS_LOBE_FILM; // shading for eight paths does not know films
-    EXPECT_TRUE(GeneralFeatures(features).empty());
+    // Shading for eight paths does not know films; coats with normals of their own are rare.
+    for (const std::uint32_t lobe : {HDS_LOBE_FILM, HDS_LOBE_SCHLICK, HDS_LOBE_COAT_FRAME}) {
+        features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT | lobe;
+        EXPECT_TRUE(GeneralFeatures(features).empty());
+    }
 }
 
 /// Textures that are resident have fewer arguments than those that stream; where there are none,

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reflections that lie on other surfaces: coats with normals and stretches of their own, and generalised Schlick terms."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from pxr import Gf, Sdf, UsdShade
+from stages import author, shapes
+from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface, Ball
+
+GLTF = "ND_gltf_pbr_surfaceshader"
+RED = (0.7, 0.1, 0.08)
+LAMP = (("Sphere", dict(placement=dict(translate=(3, 3, 3)), intensity=20.0)),)
+DOME = (("Dome", {}),)
+# Of each model: what makes a coat alone, the normals of the surface and of the coat.
+MODELS = {
+    STANDARD: (dict(base=0.0, specular=0.0, coat=1.0, coat_roughness=0.3), "normal", "coat_normal"),
+    OPEN_PBR: (dict(base_weight=0.0, base_metalness=1.0, specular_weight=0.0, coat_weight=1.0, coat_roughness=0.3),
+               "geometry_normal", "geometry_coat_normal"),
+    GLTF: (dict(base_color=(0.0, 0.0, 0.0), specular=0.0, metallic=0.0, clearcoat=1.0, clearcoat_roughness=0.3), "normal",
+           "clearcoat_normal"),
+}
+TILTED = Gf.Vec3f(0.5, 0.3, np.sqrt(1 - 0.25 - 0.09))  # in tangent space
+
+
+def _Map(stage, right=TILTED):
+    """A normal map from TILTED to another normal."""
+    left, right = (Gf.Vec3f(*(0.5 * x + 0.5 for x in normal)) for normal in (TILTED, right))
+    vector = Sdf.ValueTypeNames.Vector3f
+    ramp = AddNode(stage, "/World/Look/Ramp", "ND_ramplr_vector3", vector, valuel=left, valuer=right)
+    return AddNode(stage, "/World/Look/Map", "ND_normalmap", vector, **{"in": ramp})
+
+
+def _Picture(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None, degrees=0, **settings):
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    rotate = (0, 0, 0) if shape is None else (90 + degrees, 0, 0)  # a plane, by its angle to the viewer
+    author.AddMesh(stage, "/World/Shape", shape or Ball(1.0), material=addMaterial(stage), doubleSided=True, rotate=rotate)
+    for index, (kind, inputs) in enumerate(lights):
+        author.AddLight(stage, f"/World/Light{index}", kind, **inputs)
+    author.AddCamera(stage, eye=(0, 0, 10), width=2.4, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(stage.GetRootLayer().realPath, size, size, samples=samples, **settings)
+    assert picture.warnings == []
+    return picture.rgb
+
+
+def _Blocks(picture):
+    return picture.reshape(4, 8, 4, 8, 3).mean((1, 3))
+
+
+@pytest.mark.parametrize("identifier", MODELS)
+def test_a_coat_has_its_own_normal(tmp_path, identifier):
+    inputs, surfaces, coats = MODELS[identifier]
+
+    def Look(*mapped):
+        def Add(stage):
+            UsdShade.Material.Define(stage, "/World/Look")
+            node = _Map(stage, Gf.Vec3f(-0.2, 0.4, 0.9))
+            return AddSurface(stage, "/World/Look", identifier, **inputs, **dict.fromkeys(mapped, node))
+        return _Blocks(_Picture(tmp_path, Add, samples=256, maxDepth=1))
+
+    plain, tilted = Look(), Look(surfaces, coats)
+    assert abs(plain - tilted).mean() > 0.2 * plain.mean()
+    # Nothing but the coat reflects, so the normal of the rest does not show.
+    assert Look(surfaces) == pytest.approx(plain, rel=5e-3, abs=2e-3 * plain.mean())
+    assert Look(coats) == pytest.approx(tilted, rel=5e-3, abs=2e-3 * tilted.mean())
+
+
+def _Fresnel(cosine, index):
+    within = np.sqrt(1 - (1 - cosine ** 2) / index ** 2)
+    s = (cosine - index * within) / (cosine + index * within)
+    p = (within - index * cosine) / (within + index * cosine)
+    return 0.5 * (s * s + p * p)
+
+
+@pytest.mark.parametrize("degrees", [30, 45, 75])
+def test_what_lies_below_a_smooth_coat_has_the_other_normal(tmp_path, degrees):
+    """A sun along the surface's normal: the base has the cosine of its own, the coat takes what it reflects to the viewer."""
+    def Add(stage):
+        UsdShade.Material.Define(stage, "/World/Look")
+        return AddSurface(stage, "/World/Look", base=1.0, base_color=RED, specular=0.0, coat=1.0, coat_roughness=0.0, coat_IOR=1.6,
+                          normal=_Map(stage))
+    sun = (("Distant", dict(angle=0.0, intensity=1.0, placement=dict(rotate=(degrees, 0, 0)))),)
+    color = _Picture(tmp_path, Add, sun, 16, 8, shapes.Plane(4, 4), degrees, maxDepth=1).mean((0, 1))
+    left = 1 - _Fresnel(np.cos(np.radians(degrees)), 1.6)
+    assert color == pytest.approx(left * np.array(RED) * TILTED[2] / np.pi, rel=0.01)
+
+
+@pytest.mark.parametrize("identifier, stretched", [(STANDARD, dict(coat_anisotropy=0.9)),
+                                                   (OPEN_PBR, dict(coat_roughness_anisotropy=0.9))])
+def test_a_coat_is_stretched_as_a_reflection_is(tmp_path, identifier, stretched):
+    """As the reflection of the same index that a surface without a coat has."""
+    coat = MODELS[identifier][0]
+    if identifier == STANDARD:
+        base = dict(base=0.0, specular_roughness=0.3, specular_IOR=1.5, specular_anisotropy=0.9)
+    else:
+        base = dict(base_weight=0.0, specular_roughness=0.3, specular_ior=1.6, specular_roughness_anisotropy=0.9)
+    coated, plain, bare = (_Blocks(_Picture(tmp_path, lambda stage: AddSurface(stage, "/World/Look", identifier, **inputs), samples=256,
+                                            maxDepth=1)) for inputs in (dict(coat, **stretched), coat, base))
+    assert abs(coated - plain).mean() > 0.2 * plain.mean()
+    # The other reflection has the light that bounces more than once, too.
+    assert coated == pytest.approx(bare, rel=0.02, abs=5e-3 * bare.mean())
+
+
+SCHLICK = dict(color0=(0.04, 0.5, 0.9), color82=(1.0, 0.7, 0.9), color90=(1.0, 0.2, 0.6))
+
+
+def _Schlick(exponent, cosine, f0=np.array(SCHLICK["color0"]), f82=np.array(SCHLICK["color82"]), f90=np.array(SCHLICK["color90"])):
+    """MaterialX 1.39: mx_fresnel_hoffman_schlick."""
+    at = 1 / 7
+    a = (f0 + (f90 - f0) * (1 - at) ** exponent) * (1 - f82) / (at * (1 - at) ** 6)
+    return f0 + (f90 - f0) * (1 - cosine) ** exponent - a * cosine * (1 - cosine) ** 6
+
+
+def _Closure(stage, bsdf):
+    UsdShade.Material.Define(stage, "/World/Look")
+    return AddSurface(stage, "/World/Look", "ND_surface", bsdf=bsdf(stage))
+
+
+def _Mirror(stage, exponent, **inputs):
+    return AddNode(stage, "/World/Look/Mirror", "ND_generalized_schlick_bsdf", Sdf.ValueTypeNames.Token, roughness=(0.0, 0.0),
+                   exponent=exponent, **SCHLICK, **inputs)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 3.0, 5.0])
+@pytest.mark.parametrize("degrees", [0, 45, 75, 85])
+def test_a_generalised_schlick_reflects_by_its_formula(tmp_path, degrees, exponent):
+    def Bare(stage):
+        return _Closure(stage, lambda stage: _Mirror(stage, exponent))
+
+    def Layered(stage):
+        def Both(stage):
+            base = AddNode(stage, "/World/Look/Base", "ND_oren_nayar_diffuse_bsdf", Sdf.ValueTypeNames.Token, color=RED)
+            return AddNode(stage, "/World/Look/Layer", "ND_layer_bsdf", Sdf.ValueTypeNames.Token, top=_Mirror(stage, exponent),
+                           base=base)
+        return _Closure(stage, Both)
+
+    def Glass(stage):
+        return _Closure(stage, lambda stage: _Mirror(stage, exponent, scatter_mode="RT"))
+    reflected = _Schlick(exponent, np.cos(np.radians(degrees)))
+    plane = shapes.Plane(60, 60)
+    colors = [_Picture(tmp_path, look, DOME, 64, 8, plane, degrees, maxDepth=4).mean((0, 1)) for look in (Bare, Layered, Glass)]
+    assert colors[0] == pytest.approx(reflected, abs=3e-3)
+    assert colors[1] == pytest.approx(reflected + (1 - reflected) * np.array(RED), abs=6e-3)
+    assert colors[2] == pytest.approx(np.ones(3), abs=6e-3)  # what is not reflected is refracted
+
+
+@pytest.mark.parametrize("degrees", [0, 60, 85])
+def test_a_metal_by_schlicks_term_lets_through_what_it_does_not_reflect(tmp_path, degrees):
+    front, edge = np.array((0.3, 0.6, 0.8)), np.array((1.0, 0.8, 0.9))
+
+    def Layered(stage):
+        def Both(stage):
+            token = Sdf.ValueTypeNames.Token
+            base = AddNode(stage, "/World/Look/Base", "ND_oren_nayar_diffuse_bsdf", token, color=RED)
+            top = AddNode(stage, "/World/Look/Top", "ND_generalized_schlick_bsdf", token, roughness=(0.0, 0.0),
+                          color0=tuple(front), color82=tuple(edge))
+            return AddNode(stage, "/World/Look/Layer", "ND_layer_bsdf", token, top=top, base=base)
+        return _Closure(stage, Both)
+    color = _Picture(tmp_path, Layered, DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2).mean((0, 1))
+    reflected = _Schlick(5.0, np.cos(np.radians(degrees)), front, edge, np.ones(3))
+    assert color == pytest.approx(reflected + (1 - reflected) * np.array(RED), abs=6e-3)
