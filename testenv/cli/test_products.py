@@ -8,7 +8,7 @@ import pytest
 
 from hdstream import _core
 
-from cliCase import ANIMATED, AssertFails, Run, RunHere, WriteStage
+from cliCase import ANIMATED, SCENE, AssertFails, Run, RunHere, WriteStage
 
 _PRODUCTS = """
 def Camera "side_cam" {
@@ -254,3 +254,39 @@ def test_intrinsic_sources_are_known_by_their_usual_names(tmp_path, monkeypatch)
     assert RunHere("record", raw, *_SELECT, "--frames", "1").code == 0
     _, again = exrFile.Read("main.0001.exr")
     assert all(_SameBits(again[name], found[name]) for name in found)
+
+
+@pytest.mark.parametrize("lens", ["", "float fStop = 4\nfloat focusDistance = 8\nint hdstream:camera:apertureBlades = 5\nfloat exposure:iso = 200\n"])
+def test_two_eyes_are_two_products_of_one_run(lens, tmp_path, monkeypatch):
+    """The disparity of a card that faces both is that of its depth. Each eye has the bits of a run of its own, though only
+    one may have a lens, which kernels of the other know nothing of."""
+    monkeypatch.chdir(tmp_path)
+    distance, apart, width = 8.0, 0.5, 48
+    eyes = {"left": "", "right": lens}
+    cameras = "".join(
+        f'def Camera "{name}" {{ {more}double3 xformOp:translate = ({side * apart / 2}, 0, {distance})\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"] }\n' for side, (name, more) in zip((-1, 1), eyes.items()))
+    products = "".join(
+        f'def RenderProduct "{name}" {{ token productName = "{name}.exr"\nrel camera = </{name}>\n'
+        'rel orderedVars = [</Render/Vars/beauty>] }\n' for name in eyes)
+    stage = WriteStage(tmp_path, f"""{SCENE}{cameras}def Scope "Render" {{ def RenderSettings "Settings" {{
+        rel products = [</Render/left>, </Render/right>]
+        uniform int2 resolution = ({width}, 36)
+        custom int hdstream:samples = 64 }}
+        {products}def Scope "Vars" {{ def RenderVar "beauty" {{ string sourceName = "Ci"
+            token dataType = "color4f" }} }} }}""")
+    result = RunHere("record", stage, *_SELECT)
+    assert result.code == 0, result.text
+    pictures = {name: exrFile.Read(f"{name}.exr")[1] for name in eyes}
+    middles = {}
+    for name, channels in pictures.items():
+        assert RunHere("record", stage, "alone.exr", "--camera", f"/{name}", "-w", width, "--imageHeight", 36,
+                       "--samples", 64).code == 0
+        _, alone = exrFile.Read("alone.exr")
+        assert all(_SameBits(channels[channel], alone[channel]) for channel in "RGBA")
+        alpha = channels["A"].astype(float)
+        middles[name] = (alpha * (np.arange(width) + 0.5)).sum() / alpha.sum()
+    disparity = apart / distance * 50.0 / 20.955 * width  # pixels; UsdGeomCamera's focal length and aperture
+    assert middles["left"] - middles["right"] == pytest.approx(disparity, abs=0.02)
+    brightness = [pictures[name]["R"].max() / pictures["left"]["R"].max() for name in eyes]
+    assert brightness == pytest.approx([1.0, 2.0 if lens else 1.0], rel=1e-3)
