@@ -2,6 +2,7 @@
 // Source of names, defaults and meanings: MaterialX 1.39, pbrlib.
 #include "hdStream/shading/closureTree.h"
 
+#include "hdStream/shading/closureReflectance.h"
 #include "hdStream/shading/closureSlab.h"
 #include "hdStream/shading/emissionForm.h"
 #include "hdStream/shading/nodeWalk.h"
@@ -97,7 +98,7 @@ public:
             _network.EvaluateOr(node, "ior", {0.183F, 0.421F, 1.373F, 1.0F}, 3);
         const ShaderValue extinction =
             _network.EvaluateOr(node, "extinction", {3.424F, 2.346F, 1.770F, 1.0F}, 3);
-        const ShaderValue color = NormalReflectance(index, extinction);
+        const ShaderValue color = ConductorReflectance(index, extinction);
         const ShaderValue one = MakeScalar(1.0F);
         const ShaderValue root = MakeMath(HDS_MATH_SQRT, {color}, 3);
         const ShaderValue least = Divide(OneMinus(color, 3), Add(one, color, 3), 3);
@@ -113,13 +114,13 @@ public:
         const bool isReflected = mode.empty() || mode == "R";
         const bool isSchlicks = IsAll(Color(node, "color90", 1.0F), 1.0F) &&
                                 IsAll(Scalar(node, "exponent", 5.0F), 5.0F);
-        if (isReflected && isSchlicks && !IsDark(front)) {
+        if (isReflected && isSchlicks && !IsDielectricGrey(front)) {
             return Metal(node, front, edge);
         }
         ClosureSlab slab = Rough(node);
         LayeredMaterial& layered = slab.layered;
         const ShaderValue weight = Scalar(node, "weight", 1.0F);
-        layered.values[HDS_INPUT_IOR] = IndexOf(front);
+        layered.values[HDS_INPUT_IOR] = IndexOfReflectance(front);
         layered.values[HDS_INPUT_SPECULAR_WEIGHT] = weight;
         SetFilm(node, &layered);
         if (!isReflected) {
@@ -127,7 +128,7 @@ public:
             layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
             slab.factor = weight;
         }
-        if (mode != "T" && !(isSchlicks && IsDark(front) && IsAll(edge, 1.0F))) {
+        if (mode != "T" && !(isSchlicks && IsDielectricGrey(front) && IsAll(edge, 1.0F))) {
             layered.values[HDS_INPUT_SCHLICK_EXPONENT] =
                 MakeMath(HDS_MATH_MAX, {Scalar(node, "exponent", 5.0F), MakeScalar(1e-4F)}, 1);
             layered.values[HDS_INPUT_SCHLICK_COLOR] = front;
@@ -263,6 +264,9 @@ private:
     /// A black slab with the roughness of a node of microfacets, which gives GGX's alpha along x
     /// and y.
     ClosureSlab Rough(const MaterialNode& node) {
+        if (!IsAll(Scalar(node, "retroreflective", 0.0F), 0.0F)) {
+            WarnOf(_network, node, "retroreflective", "is not supported and counts as false");
+        }
         ClosureSlab slab = BlackSlab();
         const ShaderValue alpha = _network.EvaluateOr(node, "roughness", {0.05F, 0.05F}, 2);
         const ShaderValue x = SelectChannel(alpha, 0);
@@ -320,34 +324,6 @@ private:
                 {MakeScalar(1.0F), thickness, Scalar(node, "thinfilm_ior", 1.5F), MakeScalar(0.0F)},
                 4);
         }
-    }
-
-    /// Of a conductor, at most what has an index (Gulbrandsen 2014, eq. 1).
-    static ShaderValue NormalReflectance(const ShaderValue& n, const ShaderValue& k) {
-        const ShaderValue one = MakeScalar(1.0F);
-        const ShaderValue k2 = Multiply(k, k, 3);
-        const ShaderValue up = Add(n, one, 3);
-        const ShaderValue down = Subtract(n, one, 3);
-        return MakeMath(
-            HDS_MATH_MIN,
-            {Divide(Add(Multiply(down, down, 3), k2, 3), Add(Multiply(up, up, 3), k2, 3), 3),
-             MakeScalar(0.99F)},
-            3);
-    }
-
-    /// Whether a reflectance at normal incidence is a grey that dielectrics have.
-    static bool IsDark(const ShaderValue& front) {
-        const std::array<float, 4> none{1.0F};
-        const std::array<float, 4>& c = IsConstant(front) ? ConstantOf(front) : none;
-        return c[0] <= 0.1F && c[0] == c[1] && c[0] == c[2];
-    }
-    /// The index whose reflectance at normal incidence that is; of a colour, its mean's.
-    static ShaderValue IndexOf(const ShaderValue& front) {
-        const ShaderValue third = MakeConstant({1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F}, 3);
-        const ShaderValue mean =
-            IsDark(front) ? SelectChannel(front, 0) : MakeMath(HDS_MATH_DOT, {front, third}, 1);
-        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {mean}, 1);
-        return Divide(Add(MakeScalar(1.0F), root, 1), OneMinus(root, 1), 1);
     }
 
     NetworkEvaluator& _network;
