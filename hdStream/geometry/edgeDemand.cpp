@@ -192,6 +192,10 @@ EdgeDemand MeasureTriangle(const glm::dvec3* net, std::size_t n) {
     return demand;
 }
 
+EdgeDemand MeasureLine(const std::vector<glm::dvec3>& line, bool isHalf) {
+    return MeasureSampled({line.data(), line.size(), 1}, line.size() - 1, isHalf);
+}
+
 std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,
                      const DicingOptions& options) {
     const double length = demand.length * pixels;

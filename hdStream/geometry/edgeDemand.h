@@ -55,6 +55,10 @@ GridDemand MeasureSamples(const glm::dvec3* net, std::size_t n, bool isHalf);
 /// \param net rows of n, n - 1, ... 1 samples, n - 1 a power of two.
 EdgeDemand MeasureTriangle(const glm::dvec3* net, std::size_t n);
 
+/// \param line points from end to end of a face, one more than a power of two. \param isHalf the
+/// line is half as long as an edge.
+EdgeDemand MeasureLine(const std::vector<glm::dvec3>& line, bool isHalf);
+
 /// Level of an edge whose segments are within the bounds. \param pixels of a unit length.
 /// \param bump how much displacement varies.
 std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/geometry/faceMeter.h"
 
-#include "hdStream/geometry/edgeDemand.h"
-
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <opensubdiv/sdc/crease.h>
@@ -17,6 +15,9 @@ namespace {
 constexpr double kHullMargin = 1.0 / 64.0;
 /// The same for Bezier points, which are computed from derivatives.
 constexpr double kCubicMargin = 1e-6;
+/// Lines of a face along one parameter that are measured where displacement varies: their other
+/// parameter.
+constexpr double kMovedLines[] = {1.0 / 6.0, 1.0 / 2.0, 5.0 / 6.0};
 
 /// Control points of the cubic patch over a part of a quad, [v][u], by its corners' derivatives.
 std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface, const PatternBox& part) {
@@ -72,6 +73,15 @@ std::array<glm::dvec3, 16> Restrict(const std::vector<glm::dvec3>& net, const Pa
         }
     }
     return result;
+}
+
+/// A power of two, one for each of so many pixels, at most 2^level.
+std::size_t CellsOf(double pixels, std::uint32_t level) {
+    std::size_t count = 1;
+    while (double(count) < pixels && count < (std::size_t{1} << level)) {
+        count *= 2;
+    }
+    return count;
 }
 
 } // namespace
@@ -193,7 +203,39 @@ std::vector<glm::dvec3> FaceMeter::SamplePoints(int n) const {
     return points;
 }
 
-void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
+/// What some lines of the moved surface ask for; of a triangle its medians, for both parameters.
+/// \param numCells samples along an edge.
+void FaceMeter::AddMoved(const SurfaceMove& move, const Screen& screen, std::size_t numCells,
+                         GridDemand* demand) const {
+    if (!move.positionAt || numCells < 2) {
+        return;
+    }
+    const bool isHalf = _shape == FaceShape::SubQuads;
+    const std::size_t cells = isHalf ? std::max<std::size_t>(numCells / 2, 1) : numCells;
+    std::vector<glm::dvec3> line(cells + 1);
+    const auto measure = [&](int subFace, const glm::dvec2& from, const glm::dvec2& to) {
+        for (std::size_t i = 0; i <= cells; ++i) {
+            const glm::dvec2 uv = glm::mix(from, to, double(i) / double(cells));
+            line[i] = screen.ToCamera(move.positionAt({subFace, uv}));
+        }
+        return MeasureLine(line, isHalf);
+    };
+    if (_shape == FaceShape::Triangle) {
+        demand->u.Add(measure(0, {0.0, 0.0}, {0.5, 0.5}));
+        demand->u.Add(measure(0, {1.0, 0.0}, {0.0, 0.5}));
+        demand->u.Add(measure(0, {0.0, 1.0}, {0.5, 0.0}));
+        return;
+    }
+    const int numGrids = isHalf ? _model.Cage().counts[_face] : 1;
+    for (int grid = 0; grid < numGrids; ++grid) {
+        for (const double at : kMovedLines) {
+            demand->u.Add(measure(grid, {0.0, at}, {1.0, at}));
+            demand->v.Add(measure(grid, {at, 0.0}, {at, 1.0}));
+        }
+    }
+}
+
+void FaceMeter::RequestLevels(const DicingOptions& options, const SurfaceMove& move,
                               std::uint8_t* levels) const {
     const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
     const Screen screen(options.view);
@@ -208,15 +250,21 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
         limits.level = std::min(options.level, options.offScreenLevel);
     }
     const auto n = std::size_t(numSamples);
+    const double pixelsPerUnit = screen.PixelsPerUnit(points.data(), points.size(), 1);
+    const auto addMoved = [&](GridDemand* demand) {
+        const double length = std::max(demand->u.length, demand->v.length) * pixelsPerUnit;
+        AddMoved(move, screen, CellsOf(length, limits.level), demand);
+    };
     if (_shape == FaceShape::Quad) {
-        const GridDemand demand =
+        GridDemand demand =
             IsBezier() ? MeasureBezier(points.data()) : MeasureSamples(points.data(), n, false);
+        addMoved(&demand);
         const std::size_t first[] = {0, n - 1, n * (n - 1), 0};
         const std::size_t stride[] = {1, n, 1, n};
         for (std::uint32_t edge = 0; edge < 4; ++edge) {
             const double pixels =
                 screen.PixelsPerUnit(points.data() + first[edge], n, stride[edge]);
-            levels[edge] = LevelOf(edge % 2 == 0 ? demand.u : demand.v, pixels, bump, limits);
+            levels[edge] = LevelOf(edge % 2 == 0 ? demand.u : demand.v, pixels, move.range, limits);
         }
         return;
     }
@@ -230,8 +278,10 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
             all.Add(demand.v);
         }
     }
-    const double pixels = screen.PixelsPerUnit(points.data(), points.size(), 1);
-    std::fill(levels, levels + numEdges, LevelOf(all, pixels, bump, limits));
+    GridDemand both{all, all};
+    addMoved(&both);
+    both.u.Add(both.v);
+    std::fill(levels, levels + numEdges, LevelOf(both.u, pixelsPerUnit, move.range, limits));
 }
 
 } // namespace hds

@@ -4,9 +4,11 @@
 #pragma once
 
 #include "hdStream/geometry/dicing.h"
+#include "hdStream/geometry/edgeDemand.h"
 #include "hdStream/geometry/faceSurface.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace hds {
@@ -21,6 +23,13 @@ struct ExactBox {
     void Grow(double part);
 };
 
+/// How far a surface is moved.
+struct SurfaceMove {
+    double range = 0.0; ///< by how much amounts differ over the mesh, object space
+    /// Where a point of the face is moved to; empty: all of it by the same.
+    std::function<glm::dvec3(const FacePoint&)> positionAt;
+};
+
 /// Measures one face. Externally synchronised.
 class FaceMeter {
 public:
@@ -33,9 +42,10 @@ public:
     /// Of a part of the face, unless it is no quad or has semi-sharp edges: then of all of it.
     ExactBox BoxOver(const PatternBox& part) const;
 
-    /// The level that each edge asks for. \param bump how much displacement varies over the face,
-    /// object space. \param levels [edges of the face]
-    void RequestLevels(const DicingOptions& options, double bump, std::uint8_t* levels) const;
+    /// The level that each edge asks for: what the limit surface needs, and what lines of the
+    /// moved one do. \param levels [edges of the face]
+    void RequestLevels(const DicingOptions& options, const SurfaceMove& move,
+                       std::uint8_t* levels) const;
 
 private:
     bool IsBent() const;
@@ -43,6 +53,8 @@ private:
     void AddSquare(const PatternBox& part, const PatternBox& square, int depth,
                    ExactBox& box) const;
     std::vector<glm::dvec3> SamplePoints(int n) const;
+    void AddMoved(const SurfaceMove& move, const Screen& screen, std::size_t numCells,
+                  GridDemand* demand) const;
     bool IsBezier() const { return _shape == FaceShape::Quad && _surface.IsRegular(); }
 
     const SubdivModel& _model;

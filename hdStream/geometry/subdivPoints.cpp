@@ -170,7 +170,6 @@ glm::dvec3 SubdivPoints::Vector(const FaceLocation& location) {
     return FromTangentSpace(frame, vector);
 }
 
-/// Displaced along the face's own normal and by vectors.
 glm::dvec3 SubdivPoints::OwnPosition(const FaceLocation& location) {
     const FaceSurface& surface = _surfaces.At(location.face);
     const SurfaceFrame frame = surface.Frame(location.at);

@@ -50,6 +50,8 @@ public:
     SurfacePoint Inside(const FaceLocation& location);
     SurfacePoint Edge(int edge, double t);
     SurfacePoint Vertex(int vertex);
+    /// Displaced along the face's own normal and by vectors, whatever other faces say.
+    glm::dvec3 OwnPosition(const FaceLocation& location);
     /// The normal that a face has at a point of a sharp edge, or of a sharp vertex: the mean of the
     /// faces on the same side of the sharp edges there.
     glm::dvec3 EdgeSideNormal(const FaceLocation& location);
@@ -68,7 +70,6 @@ private:
     CoordinateFrame FrameAt(const FaceLocation& location, std::size_t coordinates);
     std::array<double, 4> PrimvarAt(std::size_t attribute, const FaceLocation& location);
     glm::dvec3 Normal(const FaceLocation& location);
-    glm::dvec3 OwnPosition(const FaceLocation& location);
     glm::dvec3 DisplacedNormal(const FaceLocation& location);
 
     const SubdivModel& _model;

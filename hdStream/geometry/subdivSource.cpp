@@ -158,20 +158,30 @@ private:
                               NumPoses(), VerticesPerTriangle(_numVertices, _numTriangles));
     }
 
+    /// The levels that a face asks for in one pose.
+    void RequestLevels(const SubdivModel& model, int face, const DicingOptions& options,
+                       std::uint8_t* levels) const {
+        const SubdivDisplacement& displacement = _dice.displacement;
+        SubdivPoints points(model, displacement, _dice.entries);
+        SurfaceMove move{displacement.range.high - displacement.range.low, {}};
+        if (!displacement.IsConstant()) {
+            move.positionAt = [&](const FacePoint& at) { return points.OwnPosition({face, at}); };
+        }
+        FaceMeter(model, face).RequestLevels(options, move, levels);
+    }
+
     /// Boxes of the faces' limit surfaces, and the levels of all edges.
     void MeasureFaces(const DicingOptions& options, std::vector<ExactBox>& boxes) {
         const Far::TopologyLevel& level = Model().Level();
         const auto uniform = static_cast<std::uint8_t>(
             options.isAdaptive ? 0 : std::min(options.level, kMaxDicingLevel));
         std::vector<std::atomic<std::uint8_t>> levels(std::size_t(level.GetNumEdges()));
-        const double bump = _dice.displacement.range.high - _dice.displacement.range.low;
         tbb::parallel_for(Range(0, level.GetNumFaces(), kGrain), [&](const Range& range) {
             std::vector<std::uint8_t> requests;
             for (int face = range.begin(); face < range.end(); ++face) {
                 if (!Model().IsDrawn(face)) {
                     continue;
                 }
-                const FaceMeter meter(Model(), face);
                 boxes[std::size_t(face)] =
                     BoxOfPoses(face, [](const FaceMeter& pose) { return pose.Box(); });
                 if (!options.isAdaptive) {
@@ -179,15 +189,15 @@ private:
                 }
                 const Far::ConstIndexArray edges = level.GetFaceEdges(face);
                 requests.resize(std::size_t(edges.size()));
-                const auto request = [&](const FaceMeter& pose) {
-                    pose.RequestLevels(options, bump, requests.data());
+                const auto request = [&](const SubdivModel& model) {
+                    RequestLevels(model, face, options, requests.data());
                     for (int i = 0; i < edges.size(); ++i) {
                         RaiseTo(requests[std::size_t(i)], &levels[std::size_t(edges[i])]);
                     }
                 };
-                request(meter);
+                request(Model());
                 for (const auto& model : _dice.keyModels) {
-                    request(FaceMeter(*model, face));
+                    request(*model);
                 }
             }
         });

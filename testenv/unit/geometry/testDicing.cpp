@@ -112,6 +112,87 @@ TEST(Dicing, FlatFacesNeedNoTriangles) {
     EXPECT_EQ(DiceAll(sheet, MakeOptions({-0.5, -0.5, -30})).chunk.triangles.size(), 18U);
 }
 
+/// Ripples along x and y: a height whose normals have a closed form.
+class Ripples final : public DisplacementAmount {
+public:
+    Ripples(double height, double frequency) : _height(height), _frequency(frequency) {}
+    const std::vector<AmountPrimvar>& Primvars() const override { return _none; }
+    bool ReadsPosition() const override { return true; }
+    double At(const AmountPoint& p) const override {
+        return _height * std::sin(_frequency * p.position.x) * std::sin(_frequency * p.position.y);
+    }
+    AmountRange Over(const AmountBox& /*box*/) const override { return {-_height, _height}; }
+    glm::dvec3 NormalAt(double x, double y) const {
+        const double slope = _height * _frequency;
+        return glm::normalize(
+            glm::dvec3(-slope * std::cos(_frequency * x) * std::sin(_frequency * y),
+                       -slope * std::sin(_frequency * x) * std::cos(_frequency * y), 1.0));
+    }
+
+private:
+    std::vector<AmountPrimvar> _none;
+    double _height;
+    double _frequency;
+};
+
+/// The mean angle, in degrees, between the closed form and the shading normal in the middle of each
+/// triangle.
+double MeanNormalError(const ChunkGeometry& chunk, const Ripples& ripples) {
+    double sum = 0.0;
+    for (const glm::uvec3& v : chunk.triangles) {
+        glm::dvec3 normal(0.0);
+        glm::dvec3 middle(0.0);
+        for (int k = 0; k < 3; ++k) {
+            const float* corner = chunk.normals.values.data() + 3 * std::size_t(v[k]);
+            normal += glm::dvec3(corner[0], corner[1], corner[2]);
+            middle += glm::dvec3(chunk.positions[v[k]]) / 3.0;
+        }
+        const glm::dvec3 expected = ripples.NormalAt(middle.x, middle.y);
+        sum += std::acos(std::min(glm::dot(glm::normalize(normal), expected), 1.0));
+    }
+    return sum / double(chunk.triangles.size()) * 180.0 / 3.14159265358979323846;
+}
+
+TEST(Dicing, RatesFollowWhatDisplaces) {
+    // 64 faces of 40 pixels. Displacement alone asks for segments below 4 pixels, level 4.
+    for (const bool areQuads : {true, false}) {
+        SCOPED_TRACE(areQuads);
+        GeometryDescription sheet = MakeFlatGrid(8);
+        sheet.subdivisionScheme = "catmullClark";
+        if (!areQuads) {
+            std::vector<int> indices;
+            for (int quad = 0; quad < 64; ++quad) {
+                const int* v = sheet.faceVertexIndices.data() + 4 * std::ptrdiff_t(quad);
+                indices.insert(indices.end(), {v[0], v[1], v[2], v[0], v[2], v[3]});
+            }
+            sheet.faceVertexIndices = indices;
+            sheet.faceVertexCounts = std::vector<int>(128, 3);
+            sheet.subdivisionScheme = "loop";
+        }
+        const DicingOptions options = MakeOptions({-0.5, -0.5, -2});
+        const auto dice = [&](const std::shared_ptr<const Ripples>& ripples) {
+            return DiceAll(sheet, options, {ripples}).chunk;
+        };
+        const std::size_t level4 = DiceUniform(sheet, 4).chunk.triangles.size();
+        const auto slow = std::make_shared<Ripples>(0.02, 12.0);
+        const ChunkGeometry smooth = dice(slow);
+        // Of triangles the medians count, which are longer than some sides.
+        EXPECT_LT(smooth.triangles.size(), areQuads ? level4 + 1 : level4 * 5 / 4);
+        EXPECT_LT(MeanNormalError(smooth, *slow), 1.0);
+        // Waves of 8 pixels, of which level 4 has three points each.
+        const auto fast = std::make_shared<Ripples>(0.003, 250.0);
+        const ChunkGeometry fine = dice(fast);
+        const double finest =
+            MeanNormalError(DiceUniform(sheet, kAdaptiveLevel, {fast}).chunk, *fast);
+        EXPECT_LT(finest, areQuads ? 2.5 : 4.0); // normals of loop are taken a little inside
+        EXPECT_LT(MeanNormalError(fine, *fast), 1.1 * finest);
+        EXPECT_GT(MeanNormalError(DiceUniform(sheet, 4, {fast}).chunk, *fast), 7.0);
+        // Ripples that are farther away are cut less finely: segments of a pixel are enough.
+        const DicingOptions far = MakeOptions({-0.5, -0.5, -8});
+        EXPECT_LT(DiceAll(sheet, far, {fast}).chunk.triangles.size(), level4 + 1);
+    }
+}
+
 TEST(Dicing, ResultsDoNotDependOnThreads) {
     std::mt19937 random(33);
     GeometryDescription mesh = MakeRandomCage(random, false);
