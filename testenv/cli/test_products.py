@@ -256,7 +256,10 @@ def test_intrinsic_sources_are_known_by_their_usual_names(tmp_path, monkeypatch)
     assert all(_SameBits(again[name], found[name]) for name in found)
 
 
-@pytest.mark.parametrize("lens", ["", "float fStop = 4\nfloat focusDistance = 8\nint hdstream:camera:apertureBlades = 5\nfloat exposure:iso = 200\n"])
+_LENS = "float fStop = 4\nfloat focusDistance = 8\nint hdstream:camera:apertureBlades = 5\nfloat exposure:iso = 200\n"
+
+
+@pytest.mark.parametrize("lens", ["", _LENS], ids=["pinholes", "oneLens"])
 def test_two_eyes_are_two_products_of_one_run(lens, tmp_path, monkeypatch):
     """The disparity of a card that faces both is that of its depth. Each eye has the bits of a run of its own, though only
     one may have a lens, which kernels of the other know nothing of."""
