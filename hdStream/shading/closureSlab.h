@@ -27,6 +27,11 @@ using ClosureWarning = std::function<void(const std::string&)>;
 /// A surface that neither reflects nor transmits, alone.
 ClosureSlab BlackSlab();
 
+/// Whether a reflectance at normal incidence is a constant grey that dielectrics have.
+bool IsDark(const ShaderValue& front);
+/// The index whose reflectance at normal incidence that is; of a colour, its mean's.
+ShaderValue IndexOf(const ShaderValue& front);
+
 ClosureSlabs MixSlabs(ClosureSlabs background, ClosureSlabs foreground, const ShaderValue& mix);
 ClosureSlabs AddSlabs(ClosureSlabs a, ClosureSlabs b);
 ClosureSlabs MultiplySlabs(ClosureSlabs slabs, const ShaderValue& factor);

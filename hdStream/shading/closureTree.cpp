@@ -335,21 +335,6 @@ private:
             3);
     }
 
-    /// Whether a reflectance at normal incidence is a grey that dielectrics have.
-    static bool IsDark(const ShaderValue& front) {
-        const std::array<float, 4> none{1.0F};
-        const std::array<float, 4>& c = IsConstant(front) ? ConstantOf(front) : none;
-        return c[0] <= 0.1F && c[0] == c[1] && c[0] == c[2];
-    }
-    /// The index whose reflectance at normal incidence that is; of a colour, its mean's.
-    static ShaderValue IndexOf(const ShaderValue& front) {
-        const ShaderValue third = MakeConstant({1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F}, 3);
-        const ShaderValue mean =
-            IsDark(front) ? SelectChannel(front, 0) : MakeMath(HDS_MATH_DOT, {front, third}, 1);
-        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {mean}, 1);
-        return Divide(Add(MakeScalar(1.0F), root, 1), OneMinus(root, 1), 1);
-    }
-
     NetworkEvaluator& _network;
     bool _isThin; ///< of a thin wall
     NodeWalk<ClosureSlabs> _bsdfs;
