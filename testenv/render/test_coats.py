@@ -229,3 +229,32 @@ def test_a_coat_stays_smooth_below_a_sheen_with_a_normal(tmp_path):
         return _Blocks(_Picture(tmp_path, layers, samples=256, maxDepth=1))
     plain = Look()
     assert Look(normal=_Map) == pytest.approx(plain, rel=5e-3, abs=2e-3 * plain.mean())
+
+
+@pytest.mark.parametrize("degrees", [0, 60, 80])
+def test_a_film_on_a_metal_is_the_same_over_what_it_covers(tmp_path, degrees):
+    """Alone the metal is a metal, and over black a dielectric with Schlick's term."""
+    film = ("generalized_schlick", dict(color0=(0.3, 0.6, 0.8), color82=(1.0, 0.7, 0.9), thinfilm_thickness=380.0, thinfilm_ior=1.7,
+                                        roughness=(0.0, 0.0)))
+    bare = ("generalized_schlick", {key: value for key, value in film[1].items() if "film" not in key})
+    black = ("oren_nayar_diffuse", dict(color=(0.0, 0.0, 0.0)))
+    white = ("oren_nayar_diffuse", dict(color=(1.0, 1.0, 1.0)))
+    alone, layered, both, without = (
+        _Picture(tmp_path, _Layered(*bsdfs), DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2).mean((0, 1))
+        for bsdfs in ((film,), (film, black), (film, white), (bare,)))
+    assert abs(alone - without).max() > 0.02
+    assert layered == pytest.approx(alone, abs=2e-3)
+    assert both == pytest.approx(np.ones(3), abs=6e-3)  # what the film reflects is not there below it
+
+
+def test_the_albedo_below_a_coat_is_that_of_its_own_normal(tmp_path):
+    """Of a plane at 70 degrees, seen along the normal of its map or far from it: a reflection with a coat that is almost not there."""
+    def Look(coat):
+        def Add(stage):
+            UsdShade.Material.Define(stage, "/World/Look")
+            return AddSurface(stage, "/World/Look", base=0.0, specular_roughness=0.0, coat=coat, normal=_Map(stage))
+        return Add
+    bare, coated = (_Render(tmp_path, Look(coat), DOME, 1, 8, shapes.Plane(60, 60), 70,
+                            aovs=("color", "albedo")).layers["albedo"][4, 4, :3] for coat in (0.0, 1e-4))
+    assert abs(bare - _Fresnel(np.cos(np.radians(70)), 1.5)).min() > 0.01
+    assert coated == pytest.approx(bare, rel=2e-3)
