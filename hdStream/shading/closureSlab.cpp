@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/closureSlab.h"
 
+#include "hdStream/shading/closureReflectance.h"
 #include "hdStream/shading/shaderMath.h"
 
 #include <algorithm>
@@ -166,9 +167,10 @@ bool TryMergeSubsurface(const ClosureSlab& walk, const ClosureSlab& other, Closu
     return true;
 }
 
-/// Whether the reflections of both are by the same Schlick's term, or by none.
-bool HaveOneSchlick(const LayeredMaterial& a, const LayeredMaterial& b) {
-    return AreSame(a, b, HDS_INPUT_SCHLICK_EXPONENT) && AreSame(a, b, HDS_INPUT_SCHLICK_COLOR) &&
+/// Whether the reflections of both are by the same index, or by the same Schlick's term.
+bool HaveOneFresnel(const LayeredMaterial& a, const LayeredMaterial& b) {
+    return (AreSame(a, b, HDS_INPUT_IOR) || a.values[HDS_INPUT_SCHLICK_EXPONENT]) &&
+           AreSame(a, b, HDS_INPUT_SCHLICK_EXPONENT) && AreSame(a, b, HDS_INPUT_SCHLICK_COLOR) &&
            AreSame(a, b, HDS_INPUT_SCHLICK_GRAZING) && AreSame(a, b, HDS_INPUT_SCHLICK_EDGE);
 }
 
@@ -176,10 +178,10 @@ bool HaveOneSchlick(const LayeredMaterial& a, const LayeredMaterial& b) {
 bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSlab* merged) {
     const LayeredMaterial& a = glass.layered;
     const LayeredMaterial& b = other.layered;
-    const bool haveOneTop = AreSame(a, b, HDS_INPUT_SPECULAR_WEIGHT) &&
-                            (!Has(b, HDS_INPUT_SPECULAR_WEIGHT) ||
-                             (AreSame(a, b, HDS_INPUT_IOR) && HaveOneRoughness(a, b) &&
-                              HaveOneSchlick(a, b) && AreSame(a, b, HDS_INPUT_SPECULAR_COLOR)));
+    const bool haveOneTop =
+        AreSame(a, b, HDS_INPUT_SPECULAR_WEIGHT) &&
+        (!Has(b, HDS_INPUT_SPECULAR_WEIGHT) || (HaveOneFresnel(a, b) && HaveOneRoughness(a, b) &&
+                                                AreSame(a, b, HDS_INPUT_SPECULAR_COLOR)));
     if (!haveOneTop || !IsAll(ValueOf(a, HDS_INPUT_TRANSMISSION), 1.0F) ||
         !HasNone(a, {HDS_INPUT_METALLIC, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT}) ||
         !HasNone(b, {HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION, HDS_INPUT_CLEARCOAT}) ||
@@ -304,10 +306,14 @@ void SetReflection(const ClosureSlab& top, ClosureSlab* slab) {
     FoldFactor(slab);
     LayeredMaterial& layered = slab->layered;
     for (const std::uint32_t input :
-         {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_IOR, HDS_INPUT_STRETCH,
-          HDS_INPUT_FILM, HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR,
-          HDS_INPUT_SCHLICK_GRAZING, HDS_INPUT_SCHLICK_EDGE}) {
+         {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_STRETCH, HDS_INPUT_FILM,
+          HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR, HDS_INPUT_SCHLICK_GRAZING,
+          HDS_INPUT_SCHLICK_EDGE}) {
         layered.values[input] = top.layered.values[input];
+    }
+    // Glass below Schlick's term, which has no index, refracts by its own.
+    if (!top.layered.values[HDS_INPUT_SCHLICK_EXPONENT] || !Has(layered, HDS_INPUT_TRANSMISSION)) {
+        layered.values[HDS_INPUT_IOR] = top.layered.values[HDS_INPUT_IOR];
     }
     layered.values[HDS_INPUT_SPECULAR_COLOR] =
         Multiply(ValueOf(top.layered, HDS_INPUT_SPECULAR_COLOR), top.factor, 3);
@@ -357,6 +363,7 @@ bool IsSchlickMetal(const LayeredMaterial& layered) {
 ClosureSlab AsReflection(ClosureSlab metal) {
     auto& values = metal.layered.values;
     values[HDS_INPUT_SPECULAR_WEIGHT] = std::exchange(values[HDS_INPUT_METALLIC], {});
+    values[HDS_INPUT_IOR] = IndexOfReflectance(values[HDS_INPUT_METAL_COLOR]);
     values[HDS_INPUT_SCHLICK_COLOR] = std::exchange(values[HDS_INPUT_METAL_COLOR], {});
     values[HDS_INPUT_SCHLICK_EDGE] = std::exchange(values[HDS_INPUT_EDGE_COLOR], {});
     values[HDS_INPUT_SCHLICK_EXPONENT] = MakeScalar(5.0F);
@@ -371,7 +378,12 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWar
         return {base};
     }
     if (IsSchlickMetal(top.layered) && !IsNothing(below)) {
-        return LayerOne(AsReflection(top), std::move(base), warn);
+        const ClosureSlab reflection = AsReflection(top);
+        if (HasPlaceFor(reflection.layered, below)) {
+            return LayerOne(reflection, std::move(base), warn);
+        }
+        warn("above another reflection, a fuzz, or glass of another roughness its metal lets "
+             "nothing through");
     }
     if (Has(below, HDS_INPUT_HAIR)) {
         warn("what lies on hair is left out");
@@ -382,6 +394,9 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWar
     }
     if (!below.values[HDS_INPUT_NORMAL]) {
         base.layered.values[HDS_INPUT_NORMAL] = top.layered.values[HDS_INPUT_NORMAL];
+        if (Has(below, HDS_INPUT_CLEARCOAT) && !below.values[HDS_INPUT_COAT_NORMAL]) {
+            SetOwnNormal({}, &base.layered); // the coat stays smooth
+        }
     }
     if (IsReflection(top.layered)) {
         SetReflection(top, &base);

@@ -525,11 +525,12 @@ void FinishLayered(LayeredMaterial* material) {
     };
     const std::uint32_t conductor =
         has(HDS_INPUT_METALLIC) ? material->lobes & HDS_LOBE_CONDUCTOR : 0U;
+    const bool isSchlicks = has(HDS_INPUT_SPECULAR_WEIGHT) && values[HDS_INPUT_SCHLICK_EXPONENT];
     material->lobes = HDS_LOBE_BASE | conductor | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
                       (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
                       (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
                       (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
-                      (values[HDS_INPUT_SCHLICK_EXPONENT] ? HDS_LOBE_SCHLICK : 0U) |
+                      (isSchlicks ? HDS_LOBE_SCHLICK : 0U) |
                       (has(HDS_INPUT_CLEARCOAT) &&
                                (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
                            ? HDS_LOBE_COAT_FRAME
@@ -549,6 +550,8 @@ void FinishLayered(LayeredMaterial* material) {
     };
     drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
                          HDS_INPUT_COAT_TINT, HDS_INPUT_COAT_NORMAL, HDS_INPUT_COAT_STRETCH});
+    drop(HDS_LOBE_SCHLICK, {HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR,
+                            HDS_INPUT_SCHLICK_GRAZING, HDS_INPUT_SCHLICK_EDGE});
     drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
     drop(HDS_LOBE_TRANSMISSION, {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR,
                                  HDS_INPUT_ABSORPTION, HDS_INPUT_SCATTERING});

@@ -155,7 +155,7 @@ float3 aov_albedo(const HdsSceneView* scene, HdsSurfaceHit* surface, float3 view
         HdsShadingPoint shading;
         HdsBsdf bsdf;
         surfaceMaterial_shade(scene, surface, viewer, &shading, &bsdf);
-        const float3 albedo = bsdf_albedo(&bsdf, shading.wo.z);
+        const float3 albedo = bsdf_albedo(&bsdf, shading.wo);
         if (k == 0u) {
             first = albedo;
         } else {
@@ -343,7 +343,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 #if HDS_FEATURE_CLOSURES
     const float3 albedo = aov_albedo(scene, &surface, viewer);
 #else
-    const float3 albedo = bsdf_albedo(&bsdf, shading.wo.z);
+    const float3 albedo = bsdf_albedo(&bsdf, shading.wo);
 #endif
     aov_storeHit(frame, scene, &surface, albedo, viewer, offsets, primvarSlots, pixel, ids);
     aov_storeMotion(frame, scene, &hit, offsets, pixel);

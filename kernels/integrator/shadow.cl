@@ -150,7 +150,7 @@ bool shadow_passGlass(const HdsSceneView* scene, HdsPaths paths, uint i,
     if (!bsdf_isGlass(&bsdf, material->flags)) {
         return true;
     }
-    *share += layered_straight(&bsdf.layered, shading.wo.z);
+    *share += layered_straight(&bsdf.layered, shading.wo);
     float4 glass = path_load_shadowGlass(paths, i);
 #if HDS_FEATURE_MEDIA_STACK
     bsdf.extinction = material->meshMedium != 0u ? (float3)(0.0f) : bsdf.extinction;

@@ -10,7 +10,7 @@ since a rival that renders something else is not a rival; the time to the first 
 
     python testenv/bench/rivals.py --scenes FOLDER --cache KEPT --out OUT     # FOLDER has chess/, bookstore/, coffee/, ycb/
     python testenv/bench/rivals.py --stages terrain,lambertRoom,rectLight     # small generated stages
-    python testenv/bench/rivals.py --stages skyRoom,sunRoom                   # interiors (stages/rooms.py)
+    python testenv/bench/rivals.py --stages skyRoom,sunRoom,panelRoom         # interiors (stages/rooms.py)
     python testenv/bench/rivals.py --stages cloud,ink,jade,wax                 # light inside matter (rivalsMatter.py)
     python testenv/bench/rivals.py --short
 

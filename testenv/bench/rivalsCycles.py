@@ -170,7 +170,7 @@ def _Look(material: dict, index: int):
     else:
         inputs = {"Base Color": material["diffuseColor"], "Metallic": material["metallic"], "Roughness": material["roughness"],
                   "IOR": material["ior"], "Coat Weight": material["clearcoat"], "Coat Roughness": material["clearcoatRoughness"],
-                  "Coat IOR": material["ior"]}
+                  "Coat IOR": material["ior"], "Emission Color": material["emissiveColor"], "Emission Strength": 1.0}
         if material["normal"] is not None:
             inputs["Normal"] = nodes.Add("ShaderNodeNormalMap", {"Color": material["normal"]}, uv_map="st").outputs[0]
         surface = nodes.Add("ShaderNodeBsdfPrincipled", inputs, distribution="GGX").outputs[0]

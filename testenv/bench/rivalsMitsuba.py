@@ -44,7 +44,9 @@ def Build(scene, job: dict):
     looks = _Looks(mi, scene.materials, _PreviewLook if job["renderer"] == PREVIEW else _PrincipledLook)
     while scene.meshes:
         mesh = scene.meshes.pop()
-        _AddMesh(mi, content, mesh, looks[mesh.material], len(scene.meshes), _Interior(mi, scene.materials[mesh.material], factor))
+        material = scene.materials[mesh.material]
+        within = {"interior": _Interior(mi, material, factor), "emitter": _Emitter(mi, material, mesh)}
+        _AddMesh(mi, content, mesh, looks[mesh.material], len(scene.meshes), within)
     for i, volume in enumerate(scene.volumes):
         content[f"volume{i}"] = rivalsMatter.MitsubaVolume(mi, volume, factor)
     for i, light in enumerate(scene.lights):
@@ -70,6 +72,16 @@ def Build(scene, job: dict):
 def _Interior(mi, material: dict, factor: float):
     medium = rivalsMatter.WalkOf(material["subsurface"]) if "subsurface" in material else material.get("medium")
     return mi.load_dict(rivalsMatter.MitsubaMedium(mi, medium, factor)) if medium else None
+
+
+def _Emitter(mi, material: dict, mesh):
+    """What a surface emits, to its front alone."""
+    radiance = material.get("emissiveColor", (0.0,) * 3)
+    if not any(radiance):
+        return None
+    if len(mesh.places) > 1:
+        raise ValueError(f"{mesh.path}: emissive meshes at several places are not handled")
+    return mi.load_dict({"type": "area", "radiance": {"type": "rgb", "value": list(radiance)}})
 
 
 def _Enlarge(scene) -> float:
@@ -151,24 +163,25 @@ def _Reflectance(ior: float) -> float:
     return ((1 - ior) / (1 + ior)) ** 2
 
 
-def _AddMesh(mi, content: dict, mesh, look, index: int, interior) -> None:
+def _AddMesh(mi, content: dict, mesh, look, index: int, within: dict) -> None:
     """A mesh at one place in world space, at several as a group and its instances."""
     matrices = mesh.places
     if len(matrices) == 1:
-        content[f"mesh{index}"] = _Mesh(mi, mesh, look, matrices[0], interior)
+        content[f"mesh{index}"] = _Mesh(mi, mesh, look, matrices[0], within)
         return
-    content[f"group{index}"] = {"type": "shapegroup", "mesh": _Mesh(mi, mesh, look, np.eye(4))}
+    content[f"group{index}"] = {"type": "shapegroup", "mesh": _Mesh(mi, mesh, look, np.eye(4), {})}
     group = mi.load_dict(content.pop(f"group{index}"))
     content[f"group{index}"] = group
     for i, matrix in enumerate(matrices):
         content[f"instance{index}_{i}"] = {"type": "instance", "group": group, "to_world": mi.ScalarTransform4f(matrix.T.copy())}
 
 
-def _Mesh(mi, mesh, look, matrix: np.ndarray, interior=None):
+def _Mesh(mi, mesh, look, matrix: np.ndarray, within: dict):
     properties = mi.Properties()
     properties["mesh_bsdf"] = look
-    if interior is not None:
-        properties["interior"] = interior
+    for name, value in within.items():
+        if value is not None:
+            properties[name] = value
     out = mi.Mesh("mesh", len(mesh.points), len(mesh.triangles), props=properties, has_vertex_normals=mesh.normals is not None,
                   has_vertex_texcoords=mesh.texcoords is not None)
     params = mi.traverse(out)

@@ -20,8 +20,8 @@ _PURPOSES = {"default", "render"}
 _EIGHT_BITS = (".png", ".jpg", ".jpeg", ".tga", ".bmp")
 _LAMBERT = "displayColor"
 _DEFAULTS = dict(diffuseColor=(0.18,) * 3, metallic=0.0, roughness=0.5, clearcoat=0.0, clearcoatRoughness=0.01, opacity=1.0, ior=1.5,
-                 normal=None)
-_REFUSED = dict(emissiveColor=(0.0,) * 3, useSpecularWorkflow=0, opacityThreshold=0.0)
+                 normal=None, emissiveColor=(0.0,) * 3)
+_REFUSED = dict(useSpecularWorkflow=0, opacityThreshold=0.0)
 
 
 @dataclass
@@ -304,6 +304,8 @@ def _ReadSurface(surface) -> tuple[dict, str]:
         usual = ((2.0,), (-1.0,)) if name == "normal" else ((1.0,), (0.0,))
         if isinstance(value, Texture) and (tuple(set(value.scale)), tuple(set(value.bias))) != usual:
             raise ValueError(f"{path}: scale and bias of {name}'s texture are not handled")
+    if isinstance(inputs["emissiveColor"], Texture):
+        raise ValueError(f"{path}: a texture of emissiveColor is not handled")
     if inputs["normal"] is not None and not isinstance(inputs["normal"], Texture):
         raise ValueError(f"{path}: a normal that is no texture is not handled")
     if len(names) > 1:

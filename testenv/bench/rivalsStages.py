@@ -27,6 +27,7 @@ _GENERATED = {
     "wax": (matter.WriteWax, matter.MAX_DEPTH),
     "skyRoom": (rooms.WriteSkyRoom, rooms.MAX_DEPTH),
     "sunRoom": (rooms.WriteSunRoom, rooms.MAX_DEPTH),
+    "panelRoom": (rooms.WritePanelRoom, rooms.MAX_DEPTH),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }
 REAL = {  # name -> file below the folder of real scenes, camera
@@ -41,8 +42,8 @@ NAMES = [*REAL, *_GENERATED, *CASES]
 
 
 def Default(scenes: str | None) -> list[str]:
-    """All real stages where their folder is given, and the generated ones that stand for large scenes and for rooms below a sky."""
-    return [*(REAL if scenes else ()), "grove", "skyRoom", "sunRoom", "forest"]
+    """All real stages where their folder is given, and the generated ones that stand for large scenes and for rooms."""
+    return [*(REAL if scenes else ()), "grove", "skyRoom", "sunRoom", "panelRoom", "forest"]
 
 
 def Make(name: str, scenes: str | None, folder: pathlib.Path) -> StageFile:

@@ -72,14 +72,23 @@ def test_instances_stand_where_the_tests_reader_puts_them(tmp_path):
     assert _Centroids(np.concatenate(world)) == pytest.approx(_Centroids(np.concatenate(expected)), abs=1e-3)
 
 
-def test_what_is_not_the_same_to_all_is_refused(tmp_path):
-    path = str(tmp_path / "glow.usda")
-    stage = author.NewStage(path)
-    glow = author.AddMaterial(stage, "/World/Looks/Glow", emissiveColor=(2.0, 1.0, 0.5))
-    author.AddMesh(stage, "/World/Plane", shapes.Plane(1, 1), material=glow)
+def _PlaneOf(path, **inputs) -> str:
+    stage = author.NewStage(str(path))
+    look = author.AddMaterial(stage, "/World/Looks/Look", **inputs)
+    author.AddMesh(stage, "/World/Plane", shapes.Plane(1, 1), material=look)
     author.AddCamera(stage, eye=(0, 1, 3))
     stage.GetRootLayer().Save()
-    with pytest.raises(ValueError, match="/World/Looks/Glow.*emissiveColor"):
+    return str(path)
+
+
+def test_a_surface_that_glows_is_read(tmp_path):
+    plain = rivalsScene.Read(_PlaneOf(tmp_path / "glow.usda", emissiveColor=(2.0, 1.0, 0.5)), "/World/Camera")
+    assert plain.materials[plain.meshes[0].material]["emissiveColor"] == (2.0, 1.0, 0.5)
+
+
+def test_what_is_not_the_same_to_all_is_refused(tmp_path):
+    path = _PlaneOf(tmp_path / "cutOut.usda", opacityThreshold=0.5)
+    with pytest.raises(ValueError, match="/World/Looks/Look.*opacityThreshold"):
         rivalsScene.Read(path, "/World/Camera")
 
 

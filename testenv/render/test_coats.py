@@ -34,7 +34,7 @@ def _Map(stage, right=TILTED):
     return AddNode(stage, "/World/Look/Map", "ND_normalmap", vector, **{"in": ramp})
 
 
-def _Picture(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None, degrees=0, **settings):
+def _Render(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None, degrees=0, **settings):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
     rotate = (0, 0, 0) if shape is None else (90 + degrees, 0, 0)  # a plane, by its angle to the viewer
     author.AddMesh(stage, "/World/Shape", shape or Ball(1.0), material=addMaterial(stage), doubleSided=True, rotate=rotate)
@@ -42,7 +42,11 @@ def _Picture(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None
         author.AddLight(stage, f"/World/Light{index}", kind, **inputs)
     author.AddCamera(stage, eye=(0, 0, 10), width=2.4, aspect=1.0, orthographic=True)
     stage.GetRootLayer().Save()
-    picture = ours.Render(stage.GetRootLayer().realPath, size, size, samples=samples, **settings)
+    return ours.Render(stage.GetRootLayer().realPath, size, size, samples=samples, **settings)
+
+
+def _Picture(*arguments, **settings):
+    picture = _Render(*arguments, **settings)
     assert picture.warnings == []
     return picture.rgb
 
@@ -163,3 +167,94 @@ def test_a_metal_by_schlicks_term_lets_through_what_it_does_not_reflect(tmp_path
     color = _Picture(tmp_path, Layered, DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2).mean((0, 1))
     reflected = _Schlick(5.0, np.cos(np.radians(degrees)), front, edge, np.ones(3))
     assert color == pytest.approx(reflected + (1 - reflected) * np.array(RED), abs=6e-3)
+
+
+def _Node(stage, name, kind, **inputs):
+    return AddNode(stage, f"/World/Look/{name}", f"ND_{kind}", Sdf.ValueTypeNames.Token, **inputs)
+
+
+def _Layered(*bsdfs):
+    """A function that adds a surface of closures, each on those after it. bsdfs: (kind, inputs)."""
+    def Add(stage):
+        def Stack(stage):
+            below = None
+            for index, (kind, inputs) in reversed(list(enumerate(bsdfs))):
+                given = {name: value(stage) if callable(value) else value for name, value in inputs.items()}
+                node = _Node(stage, f"Node{index}", f"{kind}_bsdf", **given)
+                below = node if below is None else _Node(stage, f"Layer{index}", "layer_bsdf", top=node, base=below)
+            return below
+        return _Closure(stage, Stack)
+    return Add
+
+
+@pytest.mark.parametrize("front, exponent, index", [((1 / 9, 1 / 9, 1 / 9), 5.0, 2.0), ((0.04, 0.04, 0.04), 3.0, 2.0),
+                                                    ((0.3, 0.6, 0.8), 5.0, 1.5)])
+def test_glass_below_a_schlicks_term_refracts_by_its_own_index(tmp_path, front, exponent, index):
+    """A wall that begins where what comes in at the middle of the picture arrives by Snell's law."""
+    theta = np.radians(45)
+    away = np.tan(theta - np.arcsin(np.sin(theta) / index))  # per depth of the wall
+
+    def Look(stage, begin=5 * away):
+        wall = AddSurface(stage, "/World/Wall", base=0.0, specular=0.0, emission=1.0, emission_color=(1.0, 1.0, 1.0))
+        author.AddMesh(stage, "/World/Emitter", shapes.Plane(40, 40), material=wall, doubleSided=True, rotate=(90, 0, 0),
+                       translate=(0, begin + 20, -5))
+        return _Layered(("generalized_schlick", dict(color0=front, exponent=exponent, roughness=(0.0, 0.0))),
+                        ("dielectric", dict(ior=index, scatter_mode="T", roughness=(0.0, 0.0))))(stage)
+    dark = (("Distant", dict(intensity=0.0)),)
+    half, whole = (_Picture(tmp_path, look, dark, 256, 16, shapes.Plane(60, 60), 45, maxDepth=4).mean((0, 1))
+                   for look in (Look, lambda stage: Look(stage, -5.0)))
+    assert whole == pytest.approx(1 - _Schlick(exponent, np.cos(theta), np.array(front), np.ones(3), np.ones(3)), abs=4e-3)
+    assert half / whole == pytest.approx(0.5, abs=0.01)
+
+
+SMOOTH = dict(roughness=(0.0, 0.0))
+
+
+@pytest.mark.parametrize("degrees", [0, 75])
+def test_gold_over_plastic_is_opaque_with_a_warning(tmp_path, degrees):
+    front, edge = np.array((0.9, 0.7, 0.3)), np.array((1.0, 0.8, 0.9))
+    look = _Layered(("generalized_schlick", dict(color0=tuple(front), color82=tuple(edge), **SMOOTH)), ("dielectric", {}),
+                    ("oren_nayar_diffuse", dict(color=RED)))
+    picture = _Render(tmp_path, look, DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2)
+    expected = _Schlick(5.0, np.cos(np.radians(degrees)), front, edge, np.ones(3))
+    assert picture.rgb.mean((0, 1)) == pytest.approx(expected, abs=3e-3)
+    assert [text for text in picture.warnings if "Layer0" in text and "lets nothing through" in text], picture.warnings
+
+
+def test_a_coat_stays_smooth_below_a_sheen_with_a_normal(tmp_path):
+    """Nothing but the coat reflects: the sheen is almost not there, and the index of what lies below is 1."""
+    def Look(**sheen):
+        layers = _Layered(("sheen", dict(weight=1e-6, **sheen)), ("dielectric", dict(roughness=(0.1, 0.1))),
+                          ("dielectric", dict(ior=1.0)), ("oren_nayar_diffuse", dict(color=(0.0, 0.0, 0.0))))
+        return _Blocks(_Picture(tmp_path, layers, samples=256, maxDepth=1))
+    plain = Look()
+    assert Look(normal=_Map) == pytest.approx(plain, rel=5e-3, abs=2e-3 * plain.mean())
+
+
+@pytest.mark.parametrize("degrees", [0, 60, 80])
+def test_a_film_on_a_metal_is_the_same_over_what_it_covers(tmp_path, degrees):
+    """Alone the metal is a metal, and over black a dielectric with Schlick's term."""
+    film = ("generalized_schlick", dict(color0=(0.3, 0.6, 0.8), color82=(1.0, 0.7, 0.9), thinfilm_thickness=380.0, thinfilm_ior=1.7,
+                                        roughness=(0.0, 0.0)))
+    bare = ("generalized_schlick", {key: value for key, value in film[1].items() if "film" not in key})
+    black = ("oren_nayar_diffuse", dict(color=(0.0, 0.0, 0.0)))
+    white = ("oren_nayar_diffuse", dict(color=(1.0, 1.0, 1.0)))
+    alone, layered, both, without = (
+        _Picture(tmp_path, _Layered(*bsdfs), DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2).mean((0, 1))
+        for bsdfs in ((film,), (film, black), (film, white), (bare,)))
+    assert abs(alone - without).max() > 0.02
+    assert layered == pytest.approx(alone, abs=2e-3)
+    assert both == pytest.approx(np.ones(3), abs=6e-3)  # what the film reflects is not there below it
+
+
+def test_the_albedo_below_a_coat_is_that_of_its_own_normal(tmp_path):
+    """Of a plane at 70 degrees, seen along the normal of its map or far from it: a reflection with a coat that is almost not there."""
+    def Look(coat):
+        def Add(stage):
+            UsdShade.Material.Define(stage, "/World/Look")
+            return AddSurface(stage, "/World/Look", base=0.0, specular_roughness=0.0, coat=coat, normal=_Map(stage))
+        return Add
+    bare, coated = (_Render(tmp_path, Look(coat), DOME, 1, 8, shapes.Plane(60, 60), 70,
+                            aovs=("color", "albedo")).layers["albedo"][4, 4, :3] for coat in (0.0, 1e-4))
+    assert abs(bare - _Fresnel(np.cos(np.radians(70)), 1.5)).min() > 0.01
+    assert coated == pytest.approx(bare, rel=2e-3)

@@ -7,8 +7,9 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 import ours
+from pxr import Gf, Sdf, UsdShade
 from stages import author, shapes
-from stages.materialX import AddSurface
+from stages.materialX import AddNode, AddSurface
 from test_meshMedia import AddVolume
 
 _GLASS = dict(base=0.0, transmission=1.0, specular_IOR=1.5, specular_roughness=0.0)
@@ -175,3 +176,20 @@ def test_light_is_found_and_finite(Mixed, Expected):
     off = ours.Render(Mixed, *_SIZE, samples=5, russianRoulette=True, residency="resident").rgb
     on = Expected["color"][..., :3]
     assert np.isfinite(on).all() and on.mean() > 1.2 * off.mean()  # the sun, which was black
+
+
+def test_glass_below_a_coat_passes_by_its_own_normal(tmp_path):
+    """A coat that is almost not there, with the normal of the slab, changes nothing; the glass has another."""
+    def Through(coat, isBumped=True):
+        def Bump(stage):
+            UsdShade.Material.Define(stage, "/World/Look")
+            return AddNode(stage, "/World/Look/Bump", "ND_normalmap", Sdf.ValueTypeNames.Vector3f, **{"in": Gf.Vec3f(0.9, 0.5, 0.8)})
+
+        def Slab(stage):
+            normal = dict(normal=Bump(stage)) if isBumped else {}
+            look = AddSurface(stage, "/World/Look", **_GLASS, coat=coat, **normal)
+            author.AddMesh(stage, "/World/Pane", shapes.Plane(20, 20), material=look, translate=(0, 1, 0))
+        return _Mean(_Stage(tmp_path / "s.usda", None, [_Sun(60.0)], add=Slab), maxDepth=0)
+    bare = Through(0.0)
+    assert abs(bare / Through(0.0, False) - 1).min() > 0.02
+    assert Through(1e-4) == pytest.approx(bare, rel=2e-3)

@@ -85,6 +85,6 @@ def WriteSunRoom(path: str) -> None:
 def WritePanelRoom(path: str) -> None:
     stage = _NewRoom(path)
     glow = author.AddMaterial(stage, "/Looks/Glow", diffuseColor=(0.0, 0.0, 0.0), emissiveColor=(4.0, 3.6, 3.0))
-    author.AddMesh(stage, "/World/Window", shapes.Plane(1.2, 1.6), material=glow, translate=(2.49, 1.6, 0), rotate=(0, 0, 90))
-    author.AddMesh(stage, "/World/Panel", shapes.Plane(2.4, 1.2), material=glow, translate=(-0.6, 2.95, 0), rotate=(180, 0, 0))
+    author.AddMesh(stage, "/World/Window", shapes.Plane(1.2, 1.6), material=glow, translate=(2.4995, 1.6, 0), rotate=(0, 0, 90))
+    author.AddMesh(stage, "/World/Panel", shapes.Plane(2.4, 1.2), material=glow, translate=(-0.6, 2.9995, 0), rotate=(180, 0, 0))
     stage.GetRootLayer().Save()

@@ -146,17 +146,23 @@ TEST_F(ThinFilmTest, MetalsHaveTheFilmsColor) {
     LayeredParameters metal;
     metal.Set(HDS_INPUT_METALLIC, 1.0F).Set(HDS_INPUT_DIELECTRIC, 0.0F);
     metal.Set(HDS_INPUT_ROUGHNESS, 0.05F).Set(HDS_INPUT_METAL_COLOR, 0.9F, 0.5F, 0.1F);
-    LayeredParameters covered = metal;
-    covered.Set(HDS_INPUT_FILM, 1.0F, 300.0F, 1.5F);
-    for (const double cosine : {0.3, 0.7, 1.0}) {
-        const auto pair = std::array<glm::dvec3, 2>{Towards(cosine), Towards(cosine, kPi)};
-        const auto bare = Evaluate(metal, {pair})[0];
-        const auto film = Evaluate(covered, {pair})[0];
-        for (int k = 0; k < 3; ++k) {
-            const double root = std::sqrt(colors[k]);
-            const double expected = Expected({(1.0 + root) / (1.0 - root), 1.5, 300.0}, cosine)[k];
-            const double schlick = colors[k] + (1.0 - colors[k]) * std::pow(1.0 - cosine, 5.0);
-            EXPECT_NEAR(film[k] / bare[k] * schlick, expected, 1e-3) << cosine << " " << k;
+    LayeredParameters dielectric; // of the same Schlick's term
+    dielectric.Set(HDS_INPUT_ROUGHNESS, 0.05F).Set(HDS_INPUT_SCHLICK_EXPONENT, 5.0F);
+    dielectric.Set(HDS_INPUT_SCHLICK_COLOR, 0.9F, 0.5F, 0.1F);
+    for (const LayeredParameters& plain : {metal, dielectric}) {
+        LayeredParameters covered = plain;
+        covered.Set(HDS_INPUT_FILM, 1.0F, 300.0F, 1.5F);
+        for (const double cosine : {0.3, 0.7, 1.0}) {
+            const auto pair = std::array<glm::dvec3, 2>{Towards(cosine), Towards(cosine, kPi)};
+            const auto bare = Evaluate(plain, {pair})[0];
+            const auto film = Evaluate(covered, {pair})[0];
+            for (int k = 0; k < 3; ++k) {
+                const double root = std::sqrt(colors[k]);
+                const Film expected{(1.0 + root) / (1.0 - root), 1.5, 300.0};
+                const double schlick = colors[k] + (1.0 - colors[k]) * std::pow(1.0 - cosine, 5.0);
+                EXPECT_NEAR(film[k] / bare[k] * schlick, Expected(expected, cosine)[k], 1e-3)
+                    << cosine << " " << k;
+            }
         }
     }
 }

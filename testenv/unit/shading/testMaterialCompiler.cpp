@@ -354,5 +354,21 @@ TEST(MaterialCompilerTest, DisplacementByWhatTheHostCannotEvaluateWarns) {
                                        "directions or slopes is ignored");
 }
 
+/// Where nothing is reflected the program has no Schlick's term, and scenes no kernels for it.
+TEST(MaterialCompilerTest, SchlicksTermIsOfReflectionsThatAreThere) {
+    for (const double weight : {1.0, 0.0}) {
+        MaterialNetwork network;
+        AddNode(network, "/m/surface", "ND_surface").connections["bsdf"] = {"/m/mirror", "out"};
+        network.terminals["surface"] = {"/m/surface", "out"};
+        MaterialNode& mirror = AddNode(network, "/m/mirror", "ND_generalized_schlick_bsdf");
+        mirror.parameters["exponent"] = 3.0;
+        mirror.parameters["weight"] = weight;
+        Warnings warnings;
+        const CompiledMaterial m = Compile(network, warnings);
+        EXPECT_EQ((m.constants.lobes & HDS_LOBE_SCHLICK) != 0, weight > 0.0) << weight;
+        EXPECT_TRUE(warnings.Lines().empty());
+    }
+}
+
 } // namespace
 } // namespace hds
