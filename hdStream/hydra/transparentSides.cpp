@@ -163,7 +163,9 @@ private:
         const std::string side = Upstream(*mix, "fg");
         const std::string other = Upstream(*mix, "bg");
         const Number before = InputOf(*mix, "mix", 0.0);
-        const Sides sides = Weigh(*mix, before, CoverOf(side), CoverOf(other));
+        const Cover ofSide = CoverOf(side); // one after the other: both may add nodes
+        const Cover ofOther = CoverOf(other);
+        const Sides sides = Weigh(*mix, before, ofSide, ofOther);
         if (sides.areAsBefore) {
             return sides.cover;
         }

@@ -155,7 +155,7 @@ struct RenderWatch {
     /// of the present wave. May be empty.
     std::function<bool()> isCancelled;
     /// Layers is called in the progress callback: the AOVs of first hits come with the first
-    /// picture.
+    /// picture. The error of a render that is stopped then is not estimated.
     bool takesPictures = false;
 };
 

@@ -5,6 +5,7 @@
 #include "hdStream/integrator/renderOptions.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace hds {
 
@@ -30,12 +31,12 @@ struct RenderStatistics {
     std::uint64_t shadePasses = 0;
     std::uint64_t shadeIterations = 0;
     std::uint64_t nanSamples = 0;
-    std::uint64_t clampedSamples = 0; ///< times that what a path added was clamped
-    std::uint64_t endedPasses = 0;    ///< rays that passed HDS_MAX_PASSES cut-out surfaces
-    double meanRelativeError = 0.0;
-    std::uint32_t samples = 0;         ///< per pixel, the least over all pixels
-    std::uint32_t streamedSamples = 0; ///< of these, the last one for which geometry streamed
-    std::uint64_t streamedPaths = 0;   ///< camera rays that began while geometry streamed
+    std::uint64_t clampedSamples = 0;        ///< times that what a path added was clamped
+    std::uint64_t endedPasses = 0;           ///< rays that passed HDS_MAX_PASSES cut-out surfaces
+    std::optional<double> meanRelativeError; ///< none of what an edit has ended
+    std::uint32_t samples = 0;               ///< per pixel, the least over all pixels
+    std::uint32_t streamedSamples = 0;       ///< of these, the last one for which geometry streamed
+    std::uint64_t streamedPaths = 0;         ///< camera rays that began while geometry streamed
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Scalar; ///< never Auto
     bool hasGeneralKernels = false;                  ///< at the end, as generalKernels.h

@@ -179,11 +179,12 @@ std::string MakeStatistics(const StatisticsInput& in) {
                      {"indirect", render.indirectRays},
                      {"shadow", render.shadowRays},
                      {"perSecond", render.renderSeconds > 0.0 ? rays / render.renderSeconds : 0.0}};
-    stats["accuracy"] = {{"nanSamples", render.nanSamples},
-                         {"clampedSamples", render.clampedSamples},
-                         {"endedPasses", render.endedPasses},
-                         {"deepCrowded", render.deepCrowded},
-                         {"meanRelativeError", render.meanRelativeError}};
+    stats["accuracy"] = {
+        {"nanSamples", render.nanSamples},
+        {"clampedSamples", render.clampedSamples},
+        {"endedPasses", render.endedPasses},
+        {"deepCrowded", render.deepCrowded},
+        {"meanRelativeError", render.meanRelativeError ? Json(*render.meanRelativeError) : Json()}};
     stats["wave"] = {
         {"size", render.waveSize},
         {"traversal",

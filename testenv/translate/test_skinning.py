@@ -375,3 +375,19 @@ def test_what_cannot_be_skinned_is_told(edit, told):
     warnings, isMoved = _Warned(edit)
     assert isMoved == (told is None)
     assert len([line for line in warnings if told and told in line]) == (told is not None), warnings
+
+
+def test_a_prim_of_no_influences_is_not_told():
+    """Exporters write such arrays for all meshes."""
+    stage = Usd.Stage.CreateInMemory()
+    mesh = UsdGeom.Mesh.Define(stage, "/World/Plain")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    prim = mesh.GetPrim()
+    prim.CreateAttribute("skel:blendShapes", Sdf.ValueTypeNames.TokenArray).Set([])
+    indices = prim.CreateAttribute("primvars:skel:jointIndices", Sdf.ValueTypeNames.IntArray)
+    indices.Set([])
+    assert not [line for line in Translate(stage).Warnings() if "at rest" in line]
+    indices.Set([0])
+    assert [line for line in Translate(stage).Warnings() if "at rest" in line]
