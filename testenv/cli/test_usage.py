@@ -38,6 +38,7 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--aovs", "lpe:CD{2,1}L"], "'CD{2,1}L', column 7: the second count is below the first"),
     (["record", "a.usda", "b.exr", "--aovs", "lightGroup:"], "lightGroup:"),
     (["record", "a.usda", "b.exr", "--frames", "1", "--defaultTime"], "--defaultTime"),
+    (["record", "a.usda", "b\udcff.exr"], "'b\\udcff.exr'"),
     (["record", "a.usda", "b.exr", "--cam", "x"], "hdstream record: unrecognized arguments: --cam x; did you mean --camera?"),
     (["record", "a.usda", "b.exr", "--width", "64", "--sample=8"], "--width 64 --sample=8; did you mean --imageWidth, --samples?"),
     (["info", "a.usda", "--jso", "b"], "hdstream info: unrecognized arguments: --jso b; did you mean --json?"),

@@ -47,6 +47,9 @@ def Main(arguments=None):
     with Interruption():  # the core is loaded for its settings
         parser = _MakeParser("record" in arguments[:1])
         args = parser.parse_args(list(_WithNegativeFrames(arguments)))
+    for word in arguments:
+        if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
+            parser.error(f"{ascii(word)}: neither OpenUSD nor image files can have names that are not UTF-8")
     if not args.name:
         parser.error("no COMMAND: record renders a stage; hdstream --help lists all")
     try:
