@@ -275,23 +275,23 @@ void Builder::WarnIgnored(const PlacedLight& placed) {
 }
 
 /// Emission after `normalize`; for delta lights the intensity (sphere) or irradiance (distant).
-/// False: not finite (with a warning) or black.
+/// False: negative or not finite (with a warning), or black.
 bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
                        glm::dvec3* radiance) {
     const LightDescription& description = placed.light;
-    *radiance = glm::max(LightEmission(description), glm::dvec3(0.0));
-    const bool isPoint = (light.flags & HDS_LIGHT_POINT) != 0;
+    const glm::dvec3 emission = LightEmission(description);
+    *radiance = glm::max(emission, glm::dvec3(0.0));
     if (description.type == LightType::Distant) {
         const double irradiance = DistantIrradiance(DistantHalfAngle(description));
         *radiance /= description.normalize ? irradiance : 1.0;
-    } else if (description.type == LightType::Sphere && isPoint) {
+    } else if (description.type == LightType::Sphere && (light.flags & HDS_LIGHT_POINT) != 0) {
         /* A sphere's intensity is its radiance times its projected area, a quarter of its area. */
         *radiance *= description.normalize ? 0.25 : 0.25 * light.area;
     } else if (description.type != LightType::Dome && description.normalize) {
         *radiance /= double(light.area);
     }
-    if (!IsUsable(*radiance)) {
-        _warnings.Add(placed.name, "light's emission is not finite or above 1e30; left out");
+    if (!IsUsable(*radiance) || (Luminance(*radiance) <= 0.0 && Luminance(emission) < 0.0)) {
+        _warnings.Add(placed.name, "light's emission is not between 0 and 1e30; left out");
         return false;
     }
     return Luminance(*radiance) > 0.0;

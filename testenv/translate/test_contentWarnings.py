@@ -86,6 +86,15 @@ def WarningsOf(text):
      "/C: curve basis power is unknown; drawn as bezier"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\nrel light:filters = </F> }}',
      "/M: light filter /F is not supported yet"),
+    ('def RectLight "L" { string inputs:intensity = "bright" }', "/L: inputs:intensity cannot be a string; not read"),
+    ('def SphereLight "L" { color3f inputs:shaping:focus = (1, 1, 1) }',
+     "/L: inputs:shaping:focus cannot be a float3; not read"),
+    ('def RectLight "L" { string inputs:texture:file = "a.exr" }', "/L: inputs:texture:file cannot be a string; not read"),
+    ('def DomeLight_1 "L" { uniform token poleAxis = "X" }', "/L: poleAxis X is unknown; Y is used"),
+    ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </C/S> }\n'
+     'class "C" { def Sphere "S" {} }', "/P: prototype /C/S is abstract, or below a class"),
+    ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
+     'def Sphere "S" (active = false) {} }', "/P: prototype /P/S is not active"),
     ('def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {}', "/M: mesh light has no faces; it lights nothing"),
     ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /F does not exist; left out"),
     ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /G does not exist; left out"),

@@ -46,7 +46,10 @@ def Main(arguments=None):
     os.environ.setdefault("OPENBLAS_MAIN_FREE", "1")  # numpy would set it beside the thread that opens the device and reads others
     with Interruption():  # the core is loaded for its settings
         parser = _MakeParser("record" in arguments[:1])
-        args = parser.parse_args(arguments)
+        args = parser.parse_args(list(_WithNegativeFrames(arguments)))
+    for word in arguments:
+        if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
+            parser.error(f"{ascii(word)}: neither OpenUSD nor image files can have names that are not UTF-8")
     if not args.name:
         parser.error("no COMMAND: record renders a stage; hdstream --help lists all")
     try:
@@ -209,6 +212,19 @@ def _AddUsdrecordOptions(group):
                        help="UsdRenderPass prim: its collections, and the render settings that are its renderSource")
     group.add_argument("--disableCameraLight", action="store_true",
                        help="accepted; no camera light is ever added")
+
+
+def _WithNegativeFrames(words):
+    """The words of a command line; frames such as -2:0, which argparse takes for an option, are joined to theirs."""
+    words = iter(words)
+    for word in words:
+        frames = next(words, None) if word in ("--frames", "-f") else None
+        if frames is None:
+            yield word
+        elif frames[:1] == "-" and frames[1:2].isdecimal():
+            yield f"--frames={frames}"
+        else:
+            yield from (word, frames)
 
 
 def _Complexity(text):

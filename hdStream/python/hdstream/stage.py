@@ -9,6 +9,7 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, UsageError
 from hdstream.materialXFiles import ReplaceFiles
 
+_MOST_FRAMES = 1_000_000
 _PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
 
 
@@ -84,6 +85,9 @@ def ParseFrames(spec):
             if part.endswith(":"):
                 raise ValueError("OpenUSD's parser crashes where a range has no end")
             codes = UsdUtils.TimeCodeRange.CreateFromFrameSpec(part)
+            length = codes.endTimeCode.GetValue() - codes.startTimeCode.GetValue()
+            if len(timeCodes) + length / codes.stride >= _MOST_FRAMES:
+                raise UsageError(f"--frames {spec}: more than {_MOST_FRAMES} frames")
             timeCodes.extend(code.GetValue() for code in codes)
         except (TfError, ValueError):
             raise UsageError(f"--frames {part}: not a frame spec such as 101, 101:105 or 101:109x2") from None

@@ -333,9 +333,13 @@ TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
     beyondFloats.name = "/beyondFloats";
     beyondFloats.light.color[0] = 3e38F;
     beyondFloats.light.intensity = 100.0F;
-    const LightTable table = Build({singular, sizeless, infinite, nan, beyondFloats}, warnings);
+    PlacedLight negative = Make(LightType::Rect);
+    negative.name = "/negative";
+    negative.light.intensity = -1.0F;
+    const LightTable table =
+        Build({singular, sizeless, infinite, nan, beyondFloats, negative}, warnings);
     EXPECT_TRUE(table.lights.empty());
-    EXPECT_EQ(warnings.Lines().size(), 5U);
+    EXPECT_EQ(warnings.Lines().size(), 6U);
 
     PlacedLight strong = Make(LightType::Rect);
     strong.light.intensity = 1e29F;
@@ -348,7 +352,10 @@ TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
     black.light.intensity = 0.0F;
     Warnings none;
     EXPECT_TRUE(Build({black}, none).lights.empty());
-    EXPECT_TRUE(none.Lines().empty()) << "black is not an error";
+    PlacedLight saturated = Make(LightType::Rect);
+    saturated.light.color = {1.0F, -0.1F, 0.2F};
+    EXPECT_EQ(Build({saturated}, none).lights.size(), 1U);
+    EXPECT_TRUE(none.Lines().empty()) << "neither black nor a colour beyond Rec. 709 is an error";
 }
 
 TEST(LightTableTest, IgnoredInputsWarn) {

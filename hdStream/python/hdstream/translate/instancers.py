@@ -148,7 +148,7 @@ class Instancers:
         """Translates a prototype's subtree; true when it contains something to place."""
         root = self._stage.GetPrimAtPath(prototypePath)
         if not root or not PROTOTYPE_PREDICATE(root):
-            self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
+            self._reports.Warn(instancer, f"prototype {prototypePath} {_WhyNotDrawn(root)}")
             return False
         if self._pass and self._pass.IsPrunedWithin(root):
             return False
@@ -178,3 +178,12 @@ class Instancers:
         for ancestor in reversed(chain):
             state.AddBindings(ancestor, ancestor.GetAuthoredPropertyNames())
         return state
+
+
+def _WhyNotDrawn(root):
+    """What keeps a prototype from being drawn, as UsdImaging has it."""
+    if not root or not root.HasDefiningSpecifier():
+        return "does not exist or is not defined"
+    if not root.IsActive():
+        return "is not active"
+    return "is abstract, or below a class" if root.IsAbstract() else "is not loaded"

@@ -47,8 +47,8 @@ def ReadSyncMode(prim, warn):
     return mode
 
 
-def ReadLight(prim, typeName, names, timeCode, assets):
-    """The description of a light of one of LIGHT_TYPES, or of a mesh."""
+def ReadLight(prim, typeName, names, timeCode, assets, warn):
+    """The description of a light of one of LIGHT_TYPES, or of a mesh; warn(prim, message) of inputs of other types."""
     light = _core.LightDescription()
     light.type = _TYPES.get(typeName, _core.LightType.Mesh)
     if typeName == "DistantLight":
@@ -56,15 +56,15 @@ def ReadLight(prim, typeName, names, timeCode, assets):
     for name in names:
         member = _Member(name[len("inputs:"):] if name.startswith("inputs:") else name)
         if member not in _NO_INPUTS and hasattr(light, member):
-            _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets)
+            _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets, warn)
     light.group = _ReadGroup(prim, names, timeCode)
     color = prim.GetAttribute("inputs:color")
     light.colorSpace = ColorSpaceOf(color) if color else ""
     # Where the schema is applied its fallbacks count: a cone of 90 degrees.
     if any(name.startswith(_SHAPING) for name in names) or "ShapingAPI" in prim.GetAppliedSchemas():
-        light.shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode, assets)
+        light.shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode, assets, warn)
     if any(name.startswith(_SHADOW) for name in names):
-        light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode, assets)
+        light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode, assets, warn)
     return light
 
 
@@ -80,15 +80,18 @@ def _Member(name):
     return first + "".join(part[:1].upper() + part[1:] for part in rest)
 
 
-def _ReadInput(attribute, target, member, timeCode, assets):
+def _ReadInput(attribute, target, member, timeCode, assets, warn):
     """Sets a member to an input that has a value, a schema's fallback included."""
     value = attribute.Get(timeCode) if attribute else None
     kind = type(getattr(target, member))
-    if kind is _core.AssetReference:
-        if value and value.path:
-            setattr(target, member, _InSpace(assets.Resolve(attribute, value), attribute))
-    elif value is not None:
-        setattr(target, member, kind(value))
+    try:
+        if kind is _core.AssetReference:
+            if value and value.path:
+                setattr(target, member, _InSpace(assets.Resolve(attribute, value), attribute))
+        elif value is not None:
+            setattr(target, member, kind(value))
+    except (AttributeError, TypeError, ValueError):
+        warn(attribute.GetPrim(), f"{attribute.GetName()} cannot be a {Sdf.GetValueTypeNameForValue(value)}; not read")
 
 
 def _InSpace(asset, attribute):
@@ -96,17 +99,17 @@ def _InSpace(asset, attribute):
     return _core.AssetReference(asset.authoredPath, asset.file, asset.offset, asset.size, ColorSpaceOf(attribute))
 
 
-def _ReadInputs(prim, prefix, target, timeCode, assets):
+def _ReadInputs(prim, prefix, target, timeCode, assets, warn):
     """Sets members of `target` to the inputs whose names begin so."""
     for name in prim.GetPropertyNames():
         if name.startswith(prefix):
             member = _Member(name[len(prefix):])
             if hasattr(target, member):
-                _ReadInput(prim.GetAttribute(name), target, member, timeCode, assets)
+                _ReadInput(prim.GetAttribute(name), target, member, timeCode, assets, warn)
     return target
 
 
-def PoleTransform(prim, typeName):
+def PoleTransform(prim, typeName, warn):
     """The rotation that aligns a dome's pole (+Y of its own space) with its pole axis.
 
     UsdLux: DomeLight's pole is +Y whatever the stage's up axis; DomeLight_1 has `poleAxis`, whose
@@ -117,6 +120,8 @@ def PoleTransform(prim, typeName):
     axis = prim.GetAttribute("poleAxis").Get()
     if axis == "scene":
         axis = UsdGeom.GetStageUpAxis(prim.GetStage())
+    if axis not in ("Y", "Z"):
+        warn(prim, f"poleAxis {axis} is unknown; Y is used")
     return _Z_FROM_Y if axis == "Z" else None
 
 

@@ -424,7 +424,7 @@ class StageTranslator:
             geometryPrim.RemoveLight()
             return
         self._WarnOfLight(prim, names)
-        geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets),
+        geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets, self._reports.Warn),
                               lights.ReadSyncMode(prim, self._reports.Warn), self._links.Read(prim, names))
 
     def _WarnOfLight(self, prim, names):
@@ -433,11 +433,11 @@ class StageTranslator:
 
     def _OnLight(self, prim, schema, names, state, context):
         self._WarnOfLight(prim, names)
-        light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
+        light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets, self._reports.Warn)
         if state.ofPass and not state.ofPass.isSeenByCamera:
             light.visibleToCamera = False
         path, placement = self._Place(prim, state, context)
-        pole = lights.PoleTransform(prim, schema)
+        pole = lights.PoleTransform(prim, schema, self._reports.Warn)
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
             if state.matrices is not None:
