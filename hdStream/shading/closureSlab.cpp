@@ -359,6 +359,12 @@ bool IsSchlickMetal(const LayeredMaterial& layered) {
            HasNone(layered, {HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
 }
 
+/// Metal by Schlick's term that reflects all, so that it has nothing to let through.
+bool IsWhiteMetal(const LayeredMaterial& layered) {
+    return IsAll(ValueOf(layered, HDS_INPUT_METAL_COLOR), 1.0F) &&
+           IsAll(ValueOf(layered, HDS_INPUT_EDGE_COLOR), 1.0F);
+}
+
 /// The same as a reflection that lets through what it does not reflect.
 ClosureSlab AsReflection(ClosureSlab metal) {
     auto& values = metal.layered.values;
@@ -382,8 +388,10 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWar
         if (HasPlaceFor(reflection.layered, below)) {
             return LayerOne(reflection, std::move(base), warn);
         }
-        warn("above another reflection, a fuzz, or glass of another roughness its metal lets "
-             "nothing through");
+        if (!IsWhiteMetal(top.layered)) {
+            warn("above another reflection, a fuzz, or glass of another roughness its metal lets "
+                 "nothing through");
+        }
     }
     if (Has(below, HDS_INPUT_HAIR)) {
         warn("what lies on hair is left out");

@@ -255,6 +255,6 @@ def test_the_albedo_below_a_coat_is_that_of_its_own_normal(tmp_path):
             return AddSurface(stage, "/World/Look", base=0.0, specular_roughness=0.0, coat=coat, normal=_Map(stage))
         return Add
     bare, coated = (_Render(tmp_path, Look(coat), DOME, 1, 8, shapes.Plane(60, 60), 70,
-                            aovs=("color", "albedo")).layers["albedo"][4, 4, :3] for coat in (0.0, 1e-4))
+                            aovs=("color", "albedo")).layers["albedo"][4, 4, :3] for coat in (0.0, 1e-6))
     assert abs(bare - _Fresnel(np.cos(np.radians(70)), 1.5)).min() > 0.01
     assert coated == pytest.approx(bare, rel=2e-3)
