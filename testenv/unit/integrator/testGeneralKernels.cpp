@@ -65,8 +65,10 @@ TEST(GeneralKernels, LayeredSurfacesTakeTheSlowerSet) {
     features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT;
     ASSERT_EQ(GeneralFeatures(features).size(), 1U);
     EXPECT_TRUE(GeneralFeatures(features).front().media);
-    // Shading for eight paths does not know films; coats with normals of their own are rare.
-    for (const std::uint32_t lobe : {HDS_LOBE_FILM, HDS_LOBE_SCHLICK, HDS_LOBE_COAT_FRAME}) {
+    features.lobes |= HDS_LOBE_COAT_FRAME; // a coat over bumps, as of car paint
+    EXPECT_EQ(GeneralFeatures(features).size(), 1U);
+    // Shading for eight paths does not know films, nor Schlick's terms.
+    for (const std::uint32_t lobe : {HDS_LOBE_FILM, HDS_LOBE_SCHLICK}) {
         features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT | lobe;
         EXPECT_TRUE(GeneralFeatures(features).empty());
     }
