@@ -71,11 +71,12 @@ void LearnDomeGuide(const RenderOptions& options, const std::array<float, 3>& ca
     std::vector<std::uint32_t> cells;
     if (isDone && share >= kLeastShare && share <= kMostShare) {
         const double numPaths = std::clamp(pixels, kLeastPaths, kMostPaths);
-        const double numRounds = std::clamp(kMostRounds * pixels / numPaths, 1.0, kMostRounds);
+        const auto numRounds = static_cast<std::uint32_t>(
+            std::clamp(kMostRounds * pixels / numPaths, 1.0, kMostRounds));
         isDone = trace(WholePicture(options, numPaths, kSeedOfMany));
         // Where time is up in a later round the guide has what there is.
         bool goesOn = isDone;
-        for (std::uint32_t round = 1; goesOn && round < std::floor(numRounds); ++round) {
+        for (std::uint32_t round = 1; goesOn && round < numRounds; ++round) {
             goesOn = trace(WholePicture(options, numPaths, kSeedOfMany + round));
         }
         cells = tracer->ReadDomeGuide();

@@ -90,6 +90,12 @@ def test_bits_do_not_depend_on_how_it_is_rendered(settings, stage):
     assert _Draw(stage, **settings).rgb.tobytes() == _Draw(stage, kernels="own", residency="resident").rgb.tobytes()
 
 
+def test_rounds_have_the_bits_of_any_wave(stage):
+    """A picture of so many pixels learns in two rounds."""
+    draw = lambda **settings: ours.Render(stage, 256, 144, samples=1, maxDepth=3, **settings).rgb
+    assert draw(waveSize=7001).tobytes() == draw().tobytes()
+
+
 def test_a_crop_has_the_bits_of_the_picture(tmp_path):
     stage = _Room(tmp_path / "room.usda")
     whole = hdstream.Render(stage, **_HOST).aovs["color"]
