@@ -2,6 +2,7 @@
 #include "hdStream/texture/imageFile.h"
 
 #include "hdStream/texture/imageFormat.h"
+#include "hdStream/texture/jpegHeader.h"
 #include "hdStream/texture/oneLine.h"
 
 #include <algorithm>
@@ -121,6 +122,15 @@ ImageFile::~ImageFile() {
 }
 
 std::unique_ptr<ImageFile> ImageFile::Open(const ImageSource& source, std::string* error) {
+    return OpenPart(source, false, error);
+}
+
+std::unique_ptr<ImageFile> ImageFile::OpenHeader(const ImageSource& source, std::string* error) {
+    return OpenPart(source, true, error);
+}
+
+std::unique_ptr<ImageFile> ImageFile::OpenPart(const ImageSource& source, bool isHeaderOnly,
+                                               std::string* error) {
     std::unique_ptr<ImageFile> image(new ImageFile);
     const bool isRange = source.offset != 0 || source.size != 0;
     image->_name = source.name.empty() ? source.file : source.name;
@@ -140,22 +150,37 @@ std::unique_ptr<ImageFile> ImageFile::Open(const ImageSource& source, std::strin
     const std::string head(image->_bytes.data(),
                            std::min<std::size_t>(image->_bytes.size(), kHeadBytes));
     const std::string content = FormatOfContent(head);
-    if (content == "png") {
+    std::optional<JpegHeader> progressive;
+    if (content == "png" || content == "jpeg") {
         std::ifstream file(source.file, std::ios::binary);
         std::error_code code;
         const std::uint64_t size =
             isRange && source.size ? source.size
                                    : std::filesystem::file_size(source.file, code) - source.offset;
-        if (code || !HasPngEnd(file, source.offset, size)) {
+        if (content == "png" && (code || !HasPngEnd(file, source.offset, size))) {
             *error = image->Error("is not a readable image (the file is cut off)");
             return nullptr;
         }
+        if (content == "jpeg" && !code) {
+            progressive = ReadProgressiveHeader(file, source.offset, size);
+        }
     }
-    *error = image->OpenWith(content.empty() ? FormatOfName(image->_name) : content, source);
+    const bool isHeaderRead = isHeaderOnly && progressive;
+    if (isHeaderRead) {
+        image->_bytes = std::move(progressive->bytes);
+    }
+    const bool canHaveProfile = !progressive || progressive->hasProfile;
+    *error = image->OpenWith(content.empty() ? FormatOfName(image->_name) : content, source.file,
+                             isRange || isHeaderRead, canHaveProfile);
+    if (error->empty() && isHeaderRead) {
+        image->_spec.width = static_cast<int>(progressive->width);
+        image->_spec.height = static_cast<int>(progressive->height);
+    }
     return error->empty() ? std::move(image) : nullptr;
 }
 
-std::string ImageFile::OpenWith(const std::string& format, const ImageSource& source) {
+std::string ImageFile::OpenWith(const std::string& format, std::string file, bool isInMemory,
+                                bool canHaveProfile) {
     if (IsUnsafe(format)) {
         return Error("images of the format " + format + " are not read: save it as another one");
     }
@@ -167,8 +192,7 @@ std::string ImageFile::OpenWith(const std::string& format, const ImageSource& so
     }
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    std::string file = source.file;
-    if (source.offset != 0 || source.size != 0) {
+    if (isInMemory) {
         if (_input->supports("ioproxy")) {
             _proxy = std::make_unique<OIIO::Filesystem::IOMemReader>(_bytes.data(), _bytes.size());
             _input->set_ioproxy(_proxy.get());
@@ -184,7 +208,8 @@ std::string ImageFile::OpenWith(const std::string& format, const ImageSource& so
     bool opened = false;
     std::string reason;
     try {
-        const std::lock_guard<std::mutex> lock(openMutex);
+        const auto lock = canHaveProfile ? std::unique_lock<std::mutex>(openMutex)
+                                         : std::unique_lock<std::mutex>();
         opened = _input->open(file, _spec, config);
     } catch (const std::exception& failure) {
         reason = failure.what();
@@ -206,6 +231,9 @@ std::string ImageFile::ReadBands(const OIIO::TypeDesc& type, int channelBegin, i
         pixelBytes = type.size() * static_cast<std::uint64_t>(channelEnd - channelBegin);
     }
     const std::uint64_t rowBytes = pixelBytes * Width();
+    // Else OpenImageIO 2.4 reads each band into 64 MiB that it allocates, and clears what it uses.
+    const bool isAsStored =
+        type == OIIO::TypeUnknown || (type == _spec.format && _spec.channelformats.empty());
     const int alignment = _spec.tile_height > 0 ? _spec.tile_height : kRowAlignment;
     const int fitting = static_cast<int>(std::min<std::uint64_t>(bandBytes / rowBytes, 1u << 20));
     const int bandRows =
@@ -215,13 +243,18 @@ std::string ImageFile::ReadBands(const OIIO::TypeDesc& type, int channelBegin, i
         for (int y = 0; y < _spec.height; y += bandRows) {
             const int rows = std::min(bandRows, _spec.height - y);
             const int begin = _spec.y + y;
-            const bool read =
-                _spec.tile_width > 0
-                    ? _input->read_tiles(0, 0, _spec.x, _spec.x + _spec.width, begin, begin + rows,
-                                         _spec.z, _spec.z + 1, channelBegin, channelEnd, type,
-                                         band.data())
-                    : _input->read_scanlines(0, 0, begin, begin + rows, _spec.z, channelBegin,
-                                             channelEnd, type, band.data());
+            bool read = false;
+            if (_spec.tile_width > 0) {
+                read = _input->read_tiles(0, 0, _spec.x, _spec.x + _spec.width, begin, begin + rows,
+                                          _spec.z, _spec.z + 1, channelBegin, channelEnd, type,
+                                          band.data());
+            } else if (isAsStored) {
+                read = _input->read_native_scanlines(0, 0, begin, begin + rows, _spec.z,
+                                                     channelBegin, channelEnd, band.data());
+            } else {
+                read = _input->read_scanlines(0, 0, begin, begin + rows, _spec.z, channelBegin,
+                                              channelEnd, type, band.data());
+            }
             const std::string reason = OneLine(_input->geterror());
             if (!read || !reason.empty()) {
                 return Error("cannot be decoded" + (reason.empty() ? "" : " (" + reason + ")"));

@@ -29,6 +29,9 @@ public:
 
     /// Opens an image; null with `error` (one line that names the file) when it cannot be read.
     static std::unique_ptr<ImageFile> Open(const ImageSource& source, std::string* error);
+    /// The same of an image whose pixels nobody will read: takes no time for a progressive JPEG
+    /// file, which Open decodes.
+    static std::unique_ptr<ImageFile> OpenHeader(const ImageSource& source, std::string* error);
     ~ImageFile();
     ImageFile(const ImageFile&) = delete;
     ImageFile& operator=(const ImageFile&) = delete;
@@ -50,11 +53,16 @@ public:
 
 private:
     ImageFile() = default;
-    std::string OpenWith(const std::string& format, const ImageSource& source);
+    static std::unique_ptr<ImageFile> OpenPart(const ImageSource& source, bool isHeaderOnly,
+                                               std::string* error);
+    /// \param isInMemory the file is _bytes, and its name does not count
+    /// \param canHaveProfile an ICC profile: OpenImageIO decodes it
+    std::string OpenWith(const std::string& format, std::string file, bool isInMemory,
+                         bool canHaveProfile);
     std::string Error(const std::string& reason) const { return _name + ": " + reason; }
 
     std::string _name;          ///< for messages
-    std::vector<char> _bytes;   ///< the byte range, when there is one
+    std::vector<char> _bytes;   ///< the byte range or the header, when there is one
     std::string _temporaryFile; ///< its copy for readers that want a file; else empty
     std::unique_ptr<OIIO::Filesystem::IOMemReader> _proxy; ///< over _bytes
     std::unique_ptr<OIIO::ImageInput> _input;              ///< destroyed before the proxy

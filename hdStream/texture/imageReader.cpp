@@ -32,7 +32,7 @@ ImageInfo DescribeImage(const ImageFile& file) {
 
 ImageInfo ProbeImage(const ImageSource& source) {
     ImageInfo info;
-    const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &info.error);
+    const std::unique_ptr<ImageFile> file = ImageFile::OpenHeader(source, &info.error);
     return file ? DescribeImage(*file) : info;
 }
 

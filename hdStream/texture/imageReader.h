@@ -39,8 +39,7 @@ struct ImageInfo {
 ImageInfo ProbeImage(const ImageSource& source);
 
 class PageStore;
-/// The same, kept in the persistent store: the header of a progressive JPEG file takes as long to
-/// read as its texels. Errors are not kept. \param store may be null
+/// The same, kept in the persistent store. Errors are not kept. \param store may be null
 ImageInfo ProbeImage(const ImageSource& source, PageStore* store);
 
 } // namespace hds

@@ -45,7 +45,7 @@ private:
 };
 
 KeptImage::KeptImage(const CodeRows& rows, std::uint32_t width, std::uint32_t height)
-    : _rows(rows), _width(width), _height(height), _codes(rows.RowBytes(width) * height) {}
+    : _rows(rows), _width(width), _height(height), _codes(new std::uint8_t[Bytes()]) {}
 
 void KeptImage::AddRow(const void* codes) {
     HDS_VERIFY(_nextRow < _height, "more rows than the image has");

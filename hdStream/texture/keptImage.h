@@ -12,7 +12,6 @@
 #include <list>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 namespace hds {
 
@@ -24,7 +23,7 @@ public:
 
     /// Takes the next row of codes.
     void AddRow(const void* codes);
-    std::uint64_t Bytes() const { return _codes.size(); }
+    std::uint64_t Bytes() const { return _rows.RowBytes(_width) * _height; }
 
     /// Makes those lines of a texture that are being filled; the same as a MipChain makes.
     /// \param texture its layout, of the same size; not constant
@@ -37,7 +36,7 @@ private:
     std::uint32_t _width;
     std::uint32_t _height;
     std::uint32_t _nextRow = 0;
-    std::vector<std::uint8_t> _codes; ///< [height][CodeRows::RowBytes]
+    std::unique_ptr<std::uint8_t[]> _codes; ///< [height][CodeRows::RowBytes]; rows that were added
 };
 
 /// The images that were used last, up to some bytes. Thread-safe.

@@ -20,8 +20,11 @@ public:
     /// \param texture its layout; not constant
     MipChain(const shared::HdsTexture& texture, LineStore* lines);
 
-    /// Takes the next row of mip 0, as TextureRows delivers it.
+    /// Takes the next row of mip 0, as TextureRows delivers it. \param stored null unless it is
+    /// read
     void AddRow(const std::uint8_t* stored, const float* linear);
+    /// Whether stored texels of mip 0 are read.
+    bool ReadsStored() const { return !_levels.empty() && _levels.front().row.IsMipFilling(); }
 
     /// After the last row: the last line, which several mips share, is complete.
     void Finish() { CompleteLastLine(_texture, _lines); }

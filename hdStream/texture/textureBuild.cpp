@@ -48,6 +48,7 @@ public:
     }
 
     const MipChain* Chain() const { return _chain.get(); }
+    bool ReadsStored() const { return !_chain || _chain->ReadsStored(); }
     void Finish() { _chain->Finish(); }
     /// The texel that all are.
     const std::vector<std::uint8_t>& First() const { return _first; }
@@ -145,7 +146,12 @@ BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
     TextureRows reader(file.get(), &decoder, form);
     built.image = finest > 0 ? reader.Keep(extent.maxKeptBytes) : nullptr;
     error = reader.Read(
-        [&](const std::uint8_t* stored, const float* linear) { rows.AddRow(stored, linear); },
+        [&](const std::uint8_t* stored, const float* linear) {
+            rows.AddRow(stored, linear);
+            if (!rows.ReadsStored()) {
+                reader.LeaveOutStored();
+            }
+        },
         &repairs);
     if (!error.empty()) {
         return MakeMissingTexture(error);
@@ -240,10 +246,13 @@ std::string BuildLines(const ImageSource& source, const TextureRequest& request,
         lines->BeginFilling(FirstLineOf(record, MipOfLine(record, line)));
         MipChain chain(record, lines);
         TexelRepairs ignored;
-        error = TextureRows(file.get(), &decoder, form)
-                    .Read([&](const std::uint8_t* stored,
-                              const float* linear) { chain.AddRow(stored, linear); },
-                          &ignored);
+        TextureRows reader(file.get(), &decoder, form);
+        if (!chain.ReadsStored()) {
+            reader.LeaveOutStored();
+        }
+        error = reader.Read(
+            [&](const std::uint8_t* stored, const float* linear) { chain.AddRow(stored, linear); },
+            &ignored);
         if (error.empty()) {
             chain.Finish();
         }

@@ -134,7 +134,7 @@ std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSourc
 std::optional<shared::HdsTexture> TexturePreparer::Estimate(const ImageSource& source,
                                                             const TextureRequest& request) {
     std::string ignored;
-    const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &ignored);
+    const std::unique_ptr<ImageFile> file = ImageFile::OpenHeader(source, &ignored);
     if (!file) {
         return std::nullopt;
     }

@@ -80,11 +80,13 @@ std::string TextureRows::ReadCodes(const RowCallback& onRow) {
                                 for (std::size_t row = 0; row < rows; ++row) {
                                     const void* from = static_cast<const std::uint8_t*>(band) +
                                                        row * codes.RowBytes(width);
-                                    codes.Decode(from, width, stored.data(), linear.data());
+                                    std::uint8_t* texels =
+                                        _isStoredLeftOut ? nullptr : stored.data();
+                                    codes.Decode(from, width, texels, linear.data());
                                     if (_kept) {
                                         _kept->AddRow(from);
                                     }
-                                    onRow(stored.data(), linear.data());
+                                    onRow(texels, linear.data());
                                 }
                             });
 }
@@ -148,8 +150,11 @@ std::string TextureRows::ReadFloats(const RowCallback& onRow, TexelRepairs* repa
             for (std::size_t row = 0; row < rows; ++row) {
                 DecodeRow(static_cast<const float*>(band) + row * width * stride, linear.data(),
                           repairs);
-                converter.Convert(linear.data(), width, stored.data());
-                onRow(stored.data(), linear.data());
+                std::uint8_t* texels = _isStoredLeftOut ? nullptr : stored.data();
+                if (texels != nullptr) {
+                    converter.Convert(linear.data(), width, texels);
+                }
+                onRow(texels, linear.data());
             }
         });
 }

@@ -49,8 +49,8 @@ std::string ChooseForm(ImageFile* file, const ColorDecoder& decoder, TextureForm
 /// Reads one file. One thread.
 class TextureRows {
 public:
-    /// Rows in order from the top, one by one. \param stored [width] texels as TexelConverter's;
-    /// \param linear [width][channels]
+    /// Rows in order from the top, one by one. \param stored [width] texels as TexelConverter's,
+    /// null when they are left out; \param linear [width][channels]
     using RowCallback = std::function<void(const std::uint8_t* stored, const float* linear)>;
 
     TextureRows(ImageFile* file, const ColorDecoder* decoder, const TextureForm& form);
@@ -65,6 +65,10 @@ public:
     /// Lets Read keep the file's codes. \return null: the form is not verbatim, or they take more
     /// than `maxBytes`
     std::shared_ptr<const KeptImage> Keep(std::uint64_t maxBytes);
+
+    /// From the next row on nobody reads stored texels: only coarser mips are made. While Read
+    /// runs, on its thread.
+    void LeaveOutStored() { _isStoredLeftOut = true; }
 
 private:
     CodeRows Codes() const;
@@ -82,6 +86,7 @@ private:
     float _limit; ///< of magnitudes
     std::vector<float> _rgb;
     std::shared_ptr<KeptImage> _kept;
+    bool _isStoredLeftOut = false;
 };
 
 } // namespace hds
