@@ -113,6 +113,17 @@ def test_unwritable_output_is_found_before_rendering(tmp_path):
     assert not (tmp_path / "o.exr").exists()
 
 
+def test_statistics_overwrite_neither_the_picture_nor_the_stage(tmp_path):
+    stage = WriteStage(tmp_path)
+    before = stage.read_bytes()
+    (tmp_path / "link").symlink_to(tmp_path, target_is_directory=True)
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "link" / "o.exr"), 2, "--stats", "the picture")
+    AssertFails(RunHere("record", stage, tmp_path / "o.#.exr", *SMALL, "-f", "1:2", "--stats", tmp_path / "o.2.exr"),
+                2, "--stats", "the picture")
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", stage), 2, "--stats", "the stage")
+    assert not list(tmp_path.glob("*.exr")) and stage.read_bytes() == before
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_read_only_folder(tmp_path):
     stage = WriteStage(tmp_path)
