@@ -23,6 +23,9 @@ namespace hds {
 
 namespace {
 
+/// Thin walls of more roughness are meant to be frosted: the default of the models and more.
+constexpr float kRoughestClearWall = 0.35F;
+
 /// The inputs of a model.
 class InputTable {
 public:
@@ -456,7 +459,17 @@ private:
                          {_subsurface[0], _subsurface[1], _subsurface[2], _subsurface[3]}, 4));
         }
         FinishLayered(&_result);
+        WarnOfFrostedWall();
         return std::move(_result);
+    }
+
+    void WarnOfFrostedWall() {
+        const ShaderValue& roughness = _result.values[HDS_INPUT_ROUGHNESS];
+        const bool isThin = (_result.flags & HDS_MATERIAL_THIN_WALLED) != 0;
+        if (isThin && (_result.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+            !(IsConstant(roughness) && ConstantOf(roughness)[0] <= kRoughestClearWall)) {
+            Warn("roughness", "a thin wall transmits straight on; none of it is spread");
+        }
     }
 
     NetworkEvaluator& _network;

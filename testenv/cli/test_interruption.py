@@ -9,7 +9,10 @@ import time
 
 import pytest
 
-from cliCase import SECONDS, SMALL, AssertFails, Command, Result, Run, WriteStage
+from hdstream import filmSums
+from hdstream.renderer import Image
+
+from cliCase import ANIMATED, SECONDS, SMALL, AssertFails, Command, Result, Run, RunHere, WriteStage
 
 ENDLESS = ["-w", "64", "--samples", str(1 << 20), "--maxDepth", "1"]
 
@@ -67,6 +70,28 @@ def test_ctrl_c_before_rendering(tmp_path, seconds):
     if output.read_bytes() != b"old":  # a fast machine was rendering already
         from hdstream import _core
         assert "writing what is rendered" in err and not _core.CompareImages(str(output), str(output)).error
+
+
+@pytest.mark.parametrize("owner, name", [(filmSums, "Save"), (Image, "Write")])
+def test_ctrl_c_while_a_frame_is_written(tmp_path, monkeypatch, owner, name):
+    """That frame is as whole as without it, and the next one is not begun."""
+    stage = WriteStage(tmp_path, ANIMATED)
+    record = ["record", stage, tmp_path / "o.#.exr", *SMALL, "-f", "1:2", "--resume", "--stats", tmp_path / "s.#.json"]
+    assert RunHere(*record).code == 0
+    picture = (tmp_path / "o.1.exr").read_bytes()
+    for file in [*tmp_path.glob("o.*"), *tmp_path.glob("s.*")]:
+        file.unlink()
+    write = getattr(owner, name)
+
+    def Interrupted(*arguments):
+        os.kill(os.getpid(), signal.SIGINT)
+        return write(*arguments)
+
+    monkeypatch.setattr(owner, name, Interrupted)
+    result = RunHere(*record)
+    AssertFails(result, 130, "interrupted")
+    assert (tmp_path / "o.1.exr").read_bytes() == picture and (tmp_path / "s.1.json").exists()
+    assert not (tmp_path / "o.2.exr").exists()
 
 
 def LimitFileSize():

@@ -64,6 +64,9 @@ def test_what_comes_close_to_no_option_is_no_guess(word):
     (["--frames", "1:"], "1:"),
     (["--frames", ""], "--frames"),
     (["--frames", "1:10000000000"], "more than 1000000 frames"),
+    (["--frames", "inf"], "--frames inf: not a frame spec"),
+    (["--frames", "inf:1"], "--frames inf:1: not a frame spec"),
+    (["--frames", "1e300"], "--frames 1e300: not a frame spec"),
     (["--frames", "-2:x"], "--frames -2:x: not a frame spec"),
     (["-f", "-2:0"], "--frames -2:0 needs a frame placeholder"),
     (["--frames", "1:3"], "placeholder"),
@@ -111,6 +114,17 @@ def test_unwritable_output_is_found_before_rendering(tmp_path):
     AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "none" / "s.json"),
                 1, "--stats", "s.json")
     assert not (tmp_path / "o.exr").exists()
+
+
+def test_statistics_overwrite_neither_the_picture_nor_the_stage(tmp_path):
+    stage = WriteStage(tmp_path)
+    before = stage.read_bytes()
+    (tmp_path / "link").symlink_to(tmp_path, target_is_directory=True)
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "link" / "o.exr"), 2, "--stats", "the picture")
+    AssertFails(RunHere("record", stage, tmp_path / "o.#.exr", *SMALL, "-f", "1:2", "--stats", tmp_path / "o.2.exr"),
+                2, "--stats", "the picture")
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", stage), 2, "--stats", "the stage")
+    assert not list(tmp_path.glob("*.exr")) and stage.read_bytes() == before
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

@@ -142,6 +142,60 @@ def test_errors_are_the_packages(stage, tmp_path):
     assert set(hdstream.__all__) <= set(dir(hdstream))
 
 
+@pytest.mark.parametrize("values, text", [
+    (dict(purposes="render"), "purposes"),
+    (dict(purposes=["renders"]), "'renders' is none of default"),
+    (dict(crop=(0, 0, 10)), r"crop \(0, 0, 10\)"),
+    (dict(crop=(0.5, 0, 10, 10)), "four whole numbers"),
+    (dict(camera=Gf.Vec3f(1)), "no such camera"),
+])
+def test_values_of_other_types_are_wrong_usage(stage, values, text):
+    import hdstream
+    with pytest.raises(hdstream.UsageError, match=text):
+        hdstream.Renderer(stage).Render(**SMALL, **values)
+
+
+def test_masks_and_cameras_as_they_are_meant(stage):
+    import hdstream
+    with pytest.raises(hdstream.UsageError, match="list of prim paths"):
+        hdstream.Renderer(stage.GetRootLayer().realPath, mask="/Triangle")
+    with pytest.raises(hdstream.UsageError, match="SetPopulationMask"):
+        hdstream.Renderer(stage, mask=["/Triangle"])
+    renderer = hdstream.Renderer(stage)
+    wide = renderer.Render(camera=stage.GetPrimAtPath("/Wide").GetPath(), **SMALL)
+    assert Same(wide, renderer.Render(camera="/Wide", **SMALL)) and wide.height == 6
+
+
+def test_a_renderer_that_renders_takes_nothing_else_on(stage):
+    """Neither of another thread nor of its own callback; the render in progress has its bits, and may still be cancelled."""
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    expected = renderer.Render(**SMALL)
+    errors = []
+
+    def Try(*calls):
+        for call in calls:
+            try:
+                call()
+            except hdstream.Error as error:
+                errors.append(str(error))
+
+    def Further():
+        Try(lambda: renderer.Render(**SMALL), lambda: renderer.Prepare(imageWidth=8), renderer.RenderPrepared, renderer.ReleaseStage)
+
+    def OnProgress(progress):
+        if not errors:
+            Further()
+            other = threading.Thread(target=Further)
+            other.start()
+            other.join()
+
+    image = renderer.Render(onProgress=OnProgress, **SMALL)
+    assert len(errors) == 8 and all("busy" in error for error in errors), errors
+    assert image.isComplete and Same(image, expected)
+    assert Same(renderer.Render(**SMALL), expected)
+
+
 def test_a_renderer_leaves_no_stage_behind(tmp_path):
     """Its layers would be found again, stale, when the file is opened once more."""
     import hdstream

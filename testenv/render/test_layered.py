@@ -14,6 +14,8 @@ from pxr import Sdf, UsdShade
 from stages import author, shapes
 from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
 
+GLTF = "ND_gltf_pbr_surfaceshader"
+
 _GLASS = dict(base=0.0, transmission=1.0, specular_roughness=0.0)
 
 
@@ -116,6 +118,21 @@ def test_what_a_material_does_not_show_is_not_warned_of(tmp_path, name):
     identifier, written, shown = _WRITTEN[name]
     assert _FrameStage(tmp_path, identifier, written, (), False) == []
     assert len(_FrameStage(tmp_path, identifier, dict(written, **shown), (), False)) == len(written)
+
+
+@pytest.mark.parametrize("identifier, inputs, roughness", [
+    (STANDARD, dict(thin_walled=True, transmission=0.5), "specular_roughness"),
+    (OPEN_PBR, dict(geometry_thin_walled=True, transmission_weight=0.5), "specular_roughness"),
+    (GLTF, dict(transmission=0.5, metallic=0.0), "roughness"),
+])
+def test_a_frosted_thin_wall_is_told(tmp_path, identifier, inputs, roughness):
+    """It passes light straight on; not where it is clear, opaque, or a body."""
+    thick = dict(inputs, **({"thickness": 1.0} if identifier == GLTF else {name: False for name in inputs if "thin" in name}))
+    opaque = {name: value for name, value in inputs.items() if "transmission" not in name}
+    said = _FrameStage(tmp_path, identifier, {**inputs, roughness: 0.6}, (), False)
+    assert said == ["/World/Look: roughness of /World/Look/Surface: a thin wall transmits straight on; none of it is spread"]
+    for quiet in ({**inputs, roughness: 0.1}, {**opaque, roughness: 0.6}, {**thick, roughness: 0.6}):
+        assert _FrameStage(tmp_path, identifier, quiet, (), False) == [], quiet
 
 
 def test_tangents_that_nothing_shows_are_not_warned_of(tmp_path):

@@ -3,6 +3,7 @@
 
 import dataclasses
 import math
+import operator
 from fractions import Fraction
 from typing import Optional, Tuple
 
@@ -13,6 +14,7 @@ from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, OneLine, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
+from hdstream.options import PURPOSES
 from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, CloseLens, ReadCamera
 from hdstream.translate.motion import Motion, ReadShutter
@@ -46,8 +48,11 @@ def MakeSettings(values, prim, warn):
     for name, value in values.items():
         if value is None or name in _FRAMED:
             continue
-        if name == "purposes":
+        if name == "purposes" and not isinstance(value, str):  # a text is no list, which the core says
             value = _WithDefault(value)
+            unknown = [purpose for purpose in value if purpose not in PURPOSES]
+            if unknown:
+                raise UsageError(f"--purposes: {unknown[0]!r} is none of {', '.join(PURPOSES)}")
         Set(name, list(value) if isinstance(value, tuple) else value)
     return settings
 
@@ -140,10 +145,13 @@ class Framing:
 
 
 def _Crop(crop, settings):
-    left, top, right, bottom = crop
+    try:
+        left, top, right, bottom = map(operator.index, crop)
+    except (TypeError, ValueError):
+        raise UsageError(f"crop {crop!r}: no four whole numbers left, top, right, bottom") from None
     if not (0 <= left < right <= settings.imageWidth and 0 <= top < bottom <= settings.imageHeight):
         raise UsageError(f"crop {tuple(crop)}: not inside the image of {settings.imageWidth}x{settings.imageHeight} pixels")
-    _SetWindow(crop, settings)
+    _SetWindow((left, top, right, bottom), settings)
 
 
 def _SetWindow(window, settings):

@@ -21,7 +21,7 @@ _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 def FindCamera(stage, camera, settingsCamera):
     """The camera prim to render: of the option, of the render settings, main_cam; None: frame it."""
     if camera:
-        prim = _FindByNameOrPath(stage, camera)
+        prim = _FindByNameOrPath(stage, str(camera))
         if prim is None:
             raise UsageError(f"--camera {camera}: the stage has no such camera")
         return prim

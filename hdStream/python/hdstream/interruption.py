@@ -3,9 +3,11 @@
 
 Python raises KeyboardInterrupt wherever the main thread is, also inside callbacks of C++ libraries,
 which swallow it. So before there is anything to keep (modules load, the stage is read) the process ends
-at once, and later the request is kept as well, and asked for where work can stop.
+at once, and later the request is kept as well, and asked for where work can stop. While there is a picture to lose the
+request is only kept.
 """
 
+import contextlib
 import os
 import signal
 
@@ -18,6 +20,7 @@ class Interruption:
     def __init__(self):
         self.isRequested = False
         self.hasWork = False  # something is rendered that an interruption must not lose
+        self._isHeld = False
         self._before = None
 
     def __enter__(self):
@@ -31,6 +34,15 @@ class Interruption:
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
 
+    @contextlib.contextmanager
+    def Held(self):
+        """While it is entered an interruption is kept and raises nothing: a frame is rendered and written."""
+        self.hasWork = self._isHeld = True
+        try:
+            yield
+        finally:
+            self._isHeld = False
+
     def Check(self):
         """Raises KeyboardInterrupt when one was requested."""
         if self.isRequested:
@@ -42,4 +54,5 @@ class Interruption:
         if self.isRequested or not self.hasWork:
             os._exit(EXIT_INTERRUPTED)
         self.isRequested = True
-        raise KeyboardInterrupt
+        if not self._isHeld:
+            raise KeyboardInterrupt

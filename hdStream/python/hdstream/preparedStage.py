@@ -41,6 +41,10 @@ class PreparedStage:
         self._diagnostics = Diagnostics()
         start = time.perf_counter()
         self._isOwn = not isinstance(stage, Usd.Stage)
+        if isinstance(mask, str):
+            raise _core.UsageError(f"mask {mask}: must be a list of prim paths")
+        if mask and not self._isOwn:
+            raise _core.UsageError("mask: for paths of stages only; a stage that is open has its own (Usd.Stage.SetPopulationMask)")
         self._isReleased = False
         self._mappedLayers = []  # after the release
         self._numPrims = 0  # visited

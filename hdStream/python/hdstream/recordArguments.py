@@ -57,10 +57,19 @@ def JobOf(args):
 def FramesOf(args, stage, warn):
     """The frames to render, their files checked. `warn(subject, text)` is called."""
     frames = _FramesOfOutput(args, stage) if args.output is not None else _FramesOfProducts(args, stage, warn)
-    for frame in frames:
-        for file in [output.file for output in frame.outputs] or [frame.file]:
-            _core.CheckImageFile(file)
+    files = [file for frame in frames for file in [output.file for output in frame.outputs] or [frame.file]]
+    for file in files:
+        _core.CheckImageFile(file)
+    if args.stats:
+        _CheckStatsFiles({frame.statsFile for frame in frames}, {"the picture": files, "the stage": [args.stage]})
     return frames
+
+
+def _CheckStatsFiles(statsFiles, others):
+    nounByFile = {os.path.realpath(file): noun for noun, files in others.items() for file in files}
+    for file in statsFiles:
+        if os.path.realpath(file) in nounByFile:
+            raise UsageError(f"--stats {file}: is {nounByFile[os.path.realpath(file)]} too, which it would overwrite")
 
 
 def _FramesOfOutput(args, stage):

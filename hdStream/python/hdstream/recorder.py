@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of one stage rendered and written by this process, with a progress bar and Ctrl-C."""
 
-import contextlib
 import sys
 import threading
 
@@ -26,7 +25,7 @@ class Recorder:
         self.frames = FramesOf(args, self._writer.renderer.stage, self._writer.renderer.Warn)
 
     def Record(self, frame):
-        """Renders and writes one frame; False when it was interrupted."""
+        """Renders and writes one frame; False when it was interrupted. Raises KeyboardInterrupt where the frame is whole."""
         files = ", ".join(output.file for output in frame.outputs) or frame.file
         if not self._writer.Prepare(frame):
             if not self._args.quiet:
@@ -36,8 +35,9 @@ class Recorder:
         self._NoteFraming()
         if frame is self.frames[-1]:
             self._writer.renderer.ReleaseStage()
-        image = self._Render(frame)
-        isWritten = self._writer.Finish(frame, image)
+        with self._interruption.Held():
+            image = self._Render(frame)
+            isWritten = self._writer.Finish(frame, image)
         self._warn.Flush()
         if not isWritten:
             print(f"hdstream record: {files}: not written, no sample of every pixel is done", file=sys.stderr)
@@ -45,6 +45,8 @@ class Recorder:
             done = "" if image.isComplete else " (interrupted)"
             print(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
                   f"{SecondsText(image.statistics['time']['total'])}{done}")
+        if image.isComplete:
+            self._interruption.Check()
         return image.isComplete
 
     def _NoteFraming(self):
@@ -81,24 +83,17 @@ class Recorder:
             finally:
                 isDone.set()
 
-        self._interruption.hasWork = True
         thread = threading.Thread(target=Work, name="render", daemon=True)
         thread.start()
-        # Not Thread.join: when it is interrupted, Python 3.11 takes the thread for finished.
-        while not isDone.is_set():
-            try:
-                isDone.wait(0.1)
-            except KeyboardInterrupt:
-                pass  # kept by the interruption
+        while not isDone.wait(0.1):
             if self._interruption.isRequested and not isStopping.is_set():
                 isStopping.set()
                 self._writer.renderer.Cancel()
                 self._progress.Clear()
                 print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
-        with contextlib.suppress(KeyboardInterrupt):  # kept by the interruption
-            thread.join()  # it has nothing left to do, and must not do that while the process ends
+        thread.join()  # it has nothing left to do, and must not do that while the process ends
         self._progress.Clear()
-        if errors and isStopping.is_set():
+        if errors and self._interruption.isRequested:
             # The compiler in the device's driver removes its files at SIGINT, and fails for want of them.
             raise KeyboardInterrupt from errors[0]
         if errors:

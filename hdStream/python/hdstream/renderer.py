@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import tempfile
@@ -50,7 +51,8 @@ class Renderer:
 
     Notes
     -----
-    Threads: one at a time, the one that edits the stage; only `Cancel` may be called from any thread, at any time.
+    Threads: one at a time, the one that edits the stage; only `Cancel` may be called from any thread, at any time. Where a
+    second one prepares or renders, or a callback does, UsageError is raised, and the render in progress goes on.
     Rendering releases Python's lock. Several renderers may render at once, each on a thread of its own.
     """
 
@@ -60,6 +62,7 @@ class Renderer:
         # Not a method: a cycle through the session would be kept for ever.
         self._session = _session or _core.Session(onWarning or _WarnOnce())
         self._isCancelled = threading.Event()
+        self._isBusy = threading.Lock()
         self._prepared = PreparedStage(stage, mask, self._session)
 
     @property
@@ -141,12 +144,13 @@ class Renderer:
         hdstream.UsageError, hdstream.Error, TypeError
             As `Render`.
         """
-        self._isCancelled.clear()
         known = {info.name for info in _core.SettingTable()}
         for name in settings:
             if name not in known:
                 raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
-        self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
+        with self._Alone():
+            self._isCancelled.clear()
+            self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
 
     def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                        start: Sequence[_core.FilmSums] = ()) -> "Image":
@@ -215,14 +219,24 @@ class Renderer:
 
     def _RenderFilm(self, onProgress, start):
         """True when it was not cancelled."""
-        frame = self._Frame()
-        self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
-
         def OnProgress(progress):
             return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
 
-        result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
+        with self._Alone():
+            frame = self._Frame()
+            self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
+            result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
         return result == _core.RenderResult.Complete
+
+    @contextlib.contextmanager
+    def _Alone(self):
+        """The core's session has no locks, and what is prepared is freed and made anew."""
+        if not self._isBusy.acquire(blocking=False):
+            raise _core.UsageError("the renderer is busy: another thread, or the callback's own render, prepares or renders with it")
+        try:
+            yield
+        finally:
+            self._isBusy.release()
 
     def Sums(self) -> _core.FilmSums:
         """What another render of the scene can begin with (`RenderPrepared`): the film of the last render.
@@ -284,8 +298,9 @@ class Renderer:
         hdstream.UsageError
             Nothing is prepared, or the stage is the caller's.
         """
-        self._Frame()
-        self._prepared.Release()
+        with self._Alone():
+            self._Frame()
+            self._prepared.Release()
 
 
 class Image:

@@ -10,6 +10,7 @@ from hdstream.errors import CommandError, UsageError
 from hdstream.materialXFiles import ReplaceFiles
 
 _MOST_FRAMES = 1_000_000
+_LAST_FRAME = 2 ** 53  # doubles hold every whole number up to it
 _PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
 
 
@@ -85,7 +86,10 @@ def ParseFrames(spec):
             if part.endswith(":"):
                 raise ValueError("OpenUSD's parser crashes where a range has no end")
             codes = UsdUtils.TimeCodeRange.CreateFromFrameSpec(part)
-            length = codes.endTimeCode.GetValue() - codes.startTimeCode.GetValue()
+            ends = (codes.startTimeCode.GetValue(), codes.endTimeCode.GetValue())
+            if not all(abs(end) <= _LAST_FRAME for end in ends):
+                raise ValueError("infinite, or so large that frames cannot be told apart")
+            length = ends[1] - ends[0]
             if len(timeCodes) + length / codes.stride >= _MOST_FRAMES:
                 raise UsageError(f"--frames {spec}: more than {_MOST_FRAMES} frames")
             timeCodes.extend(code.GetValue() for code in codes)

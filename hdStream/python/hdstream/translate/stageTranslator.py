@@ -358,6 +358,7 @@ class StageTranslator:
     def _OnVolume(self, prim, schema, names, state, context):
         (materialPath,), materials = FindBoundMaterials([prim], self._reports.Warn)
         self._volumeMaterials.update(materials)
+        self._WarnOfNoLight(prim)
         path, placement = self._Place(prim, state, context)
         if state.ofPass and placement.visible and (state.ofPass.isMatte or not state.ofPass.isSeenByCamera):
             self._reports.Count(prim, "volumes have no matte and are always seen by the camera, whatever the pass says: {count}")
@@ -374,6 +375,7 @@ class StageTranslator:
     def _AddSolid(self, prim, names, description, state, context):
         if description is None:
             return
+        self._WarnOfNoLight(prim)
         path, placement = self._Place(prim, state, context)
         geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
         if state.ofPass:
@@ -409,6 +411,8 @@ class StageTranslator:
             geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         if mayBeLight:
             self._ReadMeshLight(prim, names, geometryPrim)
+        else:
+            self._WarnOfNoLight(prim)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
         self._AddToBatch(path, prim, names, geometryPrim, subsetPrims, state)
@@ -426,6 +430,11 @@ class StageTranslator:
         self._WarnOfLight(prim, names)
         geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets, self._reports.Warn),
                               lights.ReadSyncMode(prim, self._reports.Warn), self._links.Read(prim, names))
+
+    def _WarnOfNoLight(self, prim):
+        """Says that LightAPI makes no light of a prim that is no mesh."""
+        if lights.IsLight(prim):
+            self._reports.Count(prim, f"LightAPI makes lights of meshes, and none of a {prim.GetTypeName()}: {{count}}")
 
     def _WarnOfLight(self, prim, names):
         for feature in lights.UnsupportedFeatures(prim, names):
