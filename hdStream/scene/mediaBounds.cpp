@@ -6,80 +6,82 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <map>
-#include <numeric>
-#include <tuple>
-#include <utility>
+#include <cstdint>
+#include <cstring>
 
 namespace hds {
 
 namespace {
 
-/// By point, the first of those in its place.
-std::vector<std::int32_t> WeldPoints(const SharedSpan<float>& points) {
-    const std::size_t numPoints = points.size() / 3;
-    const auto place = [&](std::int32_t point) {
-        const float* p = points.data() + 3 * std::size_t(point);
-        return std::make_tuple(p[0], p[1], p[2]);
-    };
-    std::vector<std::int32_t> order(numPoints);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::int32_t a, std::int32_t b) { return place(a) < place(b); });
-    std::vector<std::int32_t> first(numPoints);
-    for (std::size_t i = 0; i < numPoints; ++i) {
-        const bool isNew = i == 0 || place(order[i]) != place(order[i - 1]);
-        first[order[i]] = isNew ? order[i] : first[order[i - 1]];
+/// Spreads what differs over all bits (the finaliser of SplitMix64).
+std::uint64_t Mix(std::uint64_t bits) {
+    bits = (bits ^ (bits >> 30U)) * 0xbf58476d1ce4e5b9U;
+    bits = (bits ^ (bits >> 27U)) * 0x94d049bb133111ebU;
+    return bits ^ (bits >> 31U);
+}
+
+/// Of a point's place: -0 is 0.
+std::uint64_t HashPlace(const float* point) {
+    std::uint64_t hash = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float coordinate = point[i] + 0.0F;
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &coordinate, sizeof(bits));
+        hash = Mix(hash + 0x9e3779b97f4a7c15U + bits);
     }
-    return first;
+    return hash;
+}
+
+/// Of an edge; the other way along it has the negative.
+std::uint64_t HashEdge(std::uint64_t from, std::uint64_t to) {
+    if (from == to) {
+        return 0; // it has no length
+    }
+    const std::uint64_t hash = Mix(std::min(from, to) + Mix(std::max(from, to)));
+    return from < to ? hash : 0 - hash;
 }
 
 } // namespace
 
 bool IsClosed(const GeometryDescription& mesh) {
-    const std::vector<std::int32_t> first = WeldPoints(mesh.points);
-    const auto numPoints = static_cast<std::int32_t>(first.size());
-    // An edge and which way faces go along it; those of both ways cancel.
-    std::vector<std::pair<std::pair<std::int32_t, std::int32_t>, int>> edges;
-    edges.reserve(mesh.faceVertexIndices.size());
+    const std::size_t numPoints = mesh.points.size() / 3;
     std::vector<bool> isHole(mesh.faceVertexCounts.size());
     for (const std::int32_t face : mesh.holeIndices) {
         if (face >= 0 && std::size_t(face) < isHole.size()) {
             isHole[face] = true;
         }
     }
+    // Edges along which faces go both ways cancel; what is left would be 0 by chance alone, once in
+    // 2^64.
+    std::uint64_t sum = 0;
     std::size_t begin = 0;
     for (std::size_t face = 0; face < mesh.faceVertexCounts.size(); ++face) {
         const std::int32_t count = mesh.faceVertexCounts[face];
         if (count < 0 || begin + std::size_t(count) > mesh.faceVertexIndices.size()) {
             return false;
         }
-        for (std::int32_t k = 0; k < count && !isHole[face]; ++k) {
-            const std::int32_t a = mesh.faceVertexIndices[begin + k];
-            const std::int32_t b = mesh.faceVertexIndices[begin + (k + 1) % count];
-            if (a < 0 || b < 0 || a >= numPoints || b >= numPoints) {
-                return false;
-            }
-            const std::int32_t from = first[a];
-            const std::int32_t to = first[b];
-            if (from != to) {
-                edges.push_back({{std::min(from, to), std::max(from, to)}, from < to ? 1 : -1});
-            }
-        }
+        const std::int32_t* const points = mesh.faceVertexIndices.data() + begin;
         begin += std::size_t(count);
-    }
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t i = 0; i < edges.size();) {
-        int sum = 0;
-        const auto edge = edges[i].first;
-        for (; i < edges.size() && edges[i].first == edge; ++i) {
-            sum += edges[i].second;
+        if (count == 0 || isHole[face]) {
+            continue;
         }
-        if (sum != 0) {
+        const auto isPoint = [&](std::int32_t point) {
+            return point >= 0 && std::size_t(point) < numPoints;
+        };
+        if (!std::all_of(points, points + count, isPoint)) {
             return false;
         }
+        const auto place = [&](std::int32_t k) {
+            return HashPlace(mesh.points.data() + 3 * std::size_t(points[k]));
+        };
+        std::uint64_t from = place(count - 1);
+        for (std::int32_t k = 0; k < count; ++k) {
+            const std::uint64_t to = place(k);
+            sum += HashEdge(from, to);
+            from = to;
+        }
     }
-    return true;
+    return sum == 0;
 }
 
 std::optional<float> DielectricPriority(const std::vector<Primvar>& primvars) {
