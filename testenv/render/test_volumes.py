@@ -202,8 +202,8 @@ def test_what_bounds_of_blocks_decide_is_what_voxels_do(tmp_path):
 
 def test_bounds_are_kept_of_densities_alone(tmp_path):
     """Of two grids of as many bricks, one of which glows: 72 bytes for each brick of the other, where bricks stream."""
-    volumes = {"/A": volumeCase.Volume(volumeCase.Grid(volumeCase.Cloud(24)), volumeCase.Grid(volumeCase.Cloud(24, 9)), scattering=1.0,
-                                       emission=1.0)}
+    density, emission = (volumeCase.Grid(np.random.default_rng(seed).random((24, 24, 24))) for seed in (1, 2))
+    volumes = {"/A": volumeCase.Volume(density, emission, scattering=1.0, emission=1.0)}
     path = volumeCase.Stage(tmp_path / "s.usda")
     resident, streamed = (volumeCase.Render(path, volumes, samples=1, residency=one)[1]["volume"] for one in ("resident", "stream"))
     assert streamed["bricks"] == 54
