@@ -5,9 +5,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace hds {
 
@@ -20,13 +22,26 @@ std::uint64_t Mix(std::uint64_t bits) {
     return bits ^ (bits >> 31U);
 }
 
+/// Cells along the longest edge of a mesh's box: points in one of them count as one.
+constexpr double kCells = 1024.0;
+
+/// Cells in which points are one.
+struct Lattice {
+    double cells = 0.0; ///< a unit of length; 0: points are one where they are equal
+    double shift = 0.0;
+};
+
 /// Of a point's place: -0 is 0.
-std::uint64_t HashPlace(const float* point) {
+std::uint64_t HashPlace(const Lattice& lattice, const float* point) {
     std::uint64_t hash = 0;
     for (int i = 0; i < 3; ++i) {
-        const float coordinate = point[i] + 0.0F;
-        std::uint32_t bits = 0;
-        std::memcpy(&bits, &coordinate, sizeof(bits));
+        double place = static_cast<double>(point[i]);
+        if (lattice.cells > 0.0) {
+            place = std::floor(place * lattice.cells + lattice.shift);
+        }
+        place += 0.0;
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &place, sizeof(bits));
         hash = Mix(hash + 0x9e3779b97f4a7c15U + bits);
     }
     return hash;
@@ -41,9 +56,8 @@ std::uint64_t HashEdge(std::uint64_t from, std::uint64_t to) {
     return from < to ? hash : 0 - hash;
 }
 
-} // namespace
-
-bool IsClosed(const GeometryDescription& mesh) {
+/// As IsClosed, with points that are one by a lattice.
+bool IsClosedBy(const Lattice& lattice, const GeometryDescription& mesh) {
     const std::size_t numPoints = mesh.points.size() / 3;
     std::vector<bool> isHole(mesh.faceVertexCounts.size());
     for (const std::int32_t face : mesh.holeIndices) {
@@ -72,7 +86,7 @@ bool IsClosed(const GeometryDescription& mesh) {
             return false;
         }
         const auto place = [&](std::int32_t k) {
-            return HashPlace(mesh.points.data() + 3 * std::size_t(points[k]));
+            return HashPlace(lattice, mesh.points.data() + 3 * std::size_t(points[k]));
         };
         std::uint64_t from = place(count - 1);
         for (std::int32_t k = 0; k < count; ++k) {
@@ -82,6 +96,34 @@ bool IsClosed(const GeometryDescription& mesh) {
         }
     }
     return sum == 0;
+}
+
+/// Length of the longest edge of the box of all points.
+double LongestEdge(const SharedSpan<float>& points) {
+    double longest = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        float least = std::numeric_limits<float>::max();
+        float most = std::numeric_limits<float>::lowest();
+        for (std::size_t i = axis; i < points.size(); i += 3) {
+            least = std::min(least, points[i]);
+            most = std::max(most, points[i]);
+        }
+        longest = std::max(longest, static_cast<double>(most) - static_cast<double>(least));
+    }
+    return longest;
+}
+
+} // namespace
+
+bool IsClosed(const GeometryDescription& mesh) {
+    if (IsClosedBy({}, mesh)) {
+        return true;
+    }
+    // Points of a seam may differ by rounding. Of two lattices one has both in one cell.
+    const double edge = LongestEdge(mesh.points);
+    const double cells = kCells / edge;
+    return edge > 0.0 && std::isfinite(cells) &&
+           (IsClosedBy({cells, 0.5}, mesh) || IsClosedBy({cells, 0.0}, mesh));
 }
 
 std::optional<float> DielectricPriority(const std::vector<Primvar>& primvars) {
