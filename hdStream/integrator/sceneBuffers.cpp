@@ -73,9 +73,10 @@ void SceneBuffers::Upload(Table table, const HugeVector<T>& values) {
     _isInPlace[table] = true;
 }
 
-/// Without a pool nobody asks what bricks may hold: all of them are there.
+/// Without a pool nobody asks what bricks may hold: all of them are there. Of colours, velocities
+/// and fields of terms nobody does.
 void SceneBuffers::UploadBrickBounds(const CommittedVolumes& volumes) {
-    const PreparedGrids grids = _textures.Pool() != nullptr ? volumes.prepared : PreparedGrids();
+    const PreparedGrids grids = _textures.Pool() != nullptr ? volumes.bounded : PreparedGrids();
     if (_tables[BrickBounds].IsValid() && grids == _boundedGrids) {
         return;
     }

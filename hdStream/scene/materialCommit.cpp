@@ -159,10 +159,6 @@ std::uint32_t MaterialCommit::AddMedium(const std::string& path, const GeometryP
                                 " media of meshes: its own is left out");
         return 0;
     }
-    if (!IsClosed(*Held(prim.geometry))) {
-        _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
-                            "through a hole");
-    }
     if (found != _mediumByBytes.end()) {
         return found->second;
     }
@@ -245,6 +241,7 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
                                          const GeometryPrim& prim, const PlannedGeometry& prepared,
                                          const std::vector<AttributeName>& ofInstances) {
     PrimMaterialInfo info;
+    bool scattersBelow = false; // some surface of it says so itself
     info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
     const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
     ForEachEntry(index, [&](const Entry& entry) {
@@ -284,7 +281,7 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
             info.isGlass = true;
         }
         lobes |= record.lobes;
-        hasMedia = hasMedia || (record.flags & HDS_MATERIAL_MEDIUM) != 0;
+        scattersBelow = scattersBelow || (record.flags & HDS_MATERIAL_MEDIUM) != 0;
         hasHair = hasHair || (record.flags & HDS_MATERIAL_HAIR) != 0;
         info.isHair = info.isHair || (record.flags & HDS_MATERIAL_HAIR) != 0;
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
@@ -292,6 +289,12 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
         primMaterials.push_back(AddRecord(record));
         info.entries.push_back({compiled.emission, syncMode});
     });
+    hasMedia = hasMedia || scattersBelow;
+    if ((info.hasMedium || scattersBelow) && prim.geometry->primitives == PrimitiveKind::Faces &&
+        !IsClosed(*Held(prim.geometry))) {
+        _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
+                            "through a hole");
+    }
     return info;
 }
 

@@ -14,7 +14,8 @@
 namespace hds {
 
 /// Whether the faces close up: each edge has as many faces on one side as on the other. Points in
-/// one place are one.
+/// one place are one, and so are those that are closer than a thousandth of the mesh: holes that
+/// are as small do not count.
 bool IsClosed(const GeometryDescription& mesh);
 
 /// The priority of the inside of a prim where bodies overlap, as its primvars say: constant ones of

@@ -99,6 +99,9 @@ public:
         volume.velocity.grid = HDS_NONE;
         volume.terms = grids.terms.number;
         const bool hasTerms = volume.terms != HDS_NONE;
+        if (!hasTerms) {
+            _bounded.insert(grids.density.get());
+        }
         if (hasTerms) {
             least = grids.terms.least;
             most = grids.terms.most;
@@ -189,6 +192,22 @@ public:
             placed.emission = AddBounds(bounds.emission);
         }
         return placed;
+    }
+
+    /// Says where bounds of bricks lie. Nothing is added afterwards.
+    void Finish() {
+        std::map<std::uint32_t, std::uint32_t> firstBricks; // by texture
+        for (const std::shared_ptr<const PreparedGrid>& grid : result.prepared) {
+            if (_bounded.count(grid.get()) != 0) {
+                firstBricks[TextureOf(grid)] = static_cast<std::uint32_t>(result.numBoundedBricks);
+                result.bounded.push_back(grid);
+                result.numBoundedBricks += grid->description.numBricks;
+            }
+        }
+        for (shared::HdsGrid& grid : result.grids) {
+            const auto found = firstBricks.find(grid.texture);
+            grid.firstBrick = found == firstBricks.end() ? 0 : found->second;
+        }
     }
 
     CommittedVolumes result;
@@ -335,7 +354,7 @@ private:
         record.firstTile = static_cast<std::uint32_t>(result.tiles.size());
         record.firstCell = static_cast<std::uint32_t>(result.cells.size());
         record.texture = texture;
-        record.firstBrick = texture == HDS_NONE ? 0 : _firstBricks[texture - _numTextures];
+        record.firstBrick = 0; // Finish
         result.grids.push_back(record);
         result.tiles.insert(result.tiles.end(), tiles.begin(), tiles.end());
         result.cells.insert(result.cells.end(), cells.begin(), cells.end());
@@ -358,7 +377,6 @@ private:
         const auto [found, isNew] = _textures.emplace(grid.get(), number);
         if (isNew) {
             result.prepared.push_back(grid);
-            _firstBricks.push_back(static_cast<std::uint32_t>(result.numBricks));
             result.numBricks += grid->description.numBricks;
         }
         return _numTextures + found->second;
@@ -371,7 +389,7 @@ private:
     std::map<std::pair<const PreparedGrid*, const PreparedGrid*>, std::uint32_t> _movingNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _velocityNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _textures; ///< among those of grids
-    std::vector<std::uint32_t> _firstBricks;                ///< of these
+    std::set<const PreparedGrid*> _bounded; ///< densities without terms: no other bounds are read
 };
 
 /// Finds the grids of one volume.
@@ -568,6 +586,7 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
                              std::to_string(kMaxVolumes) + " are drawn");
     }
     preparer->ForgetUnused();
+    tables.Finish();
     return std::move(tables.result);
 }
 

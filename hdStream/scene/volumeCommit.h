@@ -22,8 +22,10 @@ struct CommittedVolumes {
     std::vector<shared::HdsGrid> grids;
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
-    PreparedGrids prepared;             ///< in the order of the textures whose lines they are
-    std::uint64_t numBricks = 0;        ///< of these
+    PreparedGrids prepared;      ///< in the order of the textures whose lines they are
+    PreparedGrids bounded;       ///< of these, whose bricks' bounds kernels look at, in their order
+    std::uint64_t numBricks = 0; ///< of all that are prepared
+    std::uint64_t numBoundedBricks = 0; ///< of those that are bounded
     std::vector<AffineRows> motionKeys; ///< of volumes whose transforms move
     bool haveMotion = false;            ///< velocities or transforms
     bool haveVelocities = false;

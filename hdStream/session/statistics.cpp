@@ -134,8 +134,9 @@ Json VolumeSection(const StatisticsInput& in) {
     const LineTraffic voxels = textures.Statistics().grids;
     Json section = VolumeCounts(in.scene->counts);
     if (textures.Pool() != nullptr) { // bounds of bricks are there too
-        section["alwaysResidentBytes"] = in.scene->counts.volumeTableBytes +
-                                         in.scene->counts.bricks * sizeof(shared::HdsBrickBounds);
+        section["alwaysResidentBytes"] =
+            in.scene->counts.volumeTableBytes +
+            in.scene->volumes.numBoundedBricks * sizeof(shared::HdsBrickBounds);
     }
     section["budget"] = textures.VolumeBudgetBytes();
     section["peakBytes"] = textures.VolumePeakUsedBytes();

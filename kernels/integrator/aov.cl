@@ -8,6 +8,7 @@
 #include "integrator/camera.clh"
 #include "integrator/itemLoop.clh"
 #if HDS_FEATURE_MEDIA_STACK
+#include "integrator/aovMedia.clh"
 #include "integrator/meshMedia.clh"
 #endif
 #include "integrator/passThrough.clh"
@@ -201,6 +202,18 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     }
 }
 
+#if HDS_FEATURE_VOLUMES || HDS_FEATURE_MEDIA_STACK
+/* Where half of the light of slot i is lost, at t, unless that is nearer already. */
+void aov_storeHalf(constant const HdsFrameParams* frame, HdsPaths paths, uint i, float t,
+                   HdsAovOffsets offsets, global float* pixel) {
+    if (offsets.volumeDepth != HDS_NONE && t < INFINITY) {
+        const float3 at =
+            vec_mulAdd(t, path_load_direction(paths, i).xyz, path_load_origin(paths, i).xyz);
+        pixel[offsets.volumeDepth] = fmin(pixel[offsets.volumeDepth], aov_depths(frame, at).x);
+    }
+}
+#endif
+
 #if HDS_FEATURE_VOLUMES
 /* Adds to what is written for slot i what volumes before its first hit are. \param t of that. When
  * texels are missing nothing is added, and the slot comes again. */
@@ -223,14 +236,24 @@ void aov_addVolumes(constant const HdsFrameParams* frame, const HdsSceneView* sc
         const float3 behind = vload3(0, pixel + offsets.albedo);
         vstore3(fma(volumes.left, behind, volumes.albedo), 0, pixel + offsets.albedo);
     }
-    if (volumes.t < INFINITY) {
-        aov_store1(pixel, offsets.volumeDepth,
-                   aov_depths(frame, vec_mulAdd(volumes.t, direction.xyz, origin.xyz)).x);
-    }
+    aov_storeHalf(frame, paths, i, volumes.t, offsets, pixel);
 }
 #endif
 
 #if HDS_FEATURE_MEDIA_STACK
+/* Adds to what is written for slot i what media of meshes before its first hit are. \param t of
+ * that. */
+void aov_addMedia(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
+                  uint i, float t, HdsAovOffsets offsets, global float* pixel) {
+    const HdsAovMedia media =
+        aovMedia_upTo(scene->meshMedia, paths, i, fmin(t, path_load_direction(paths, i).w));
+    if (offsets.albedo != HDS_NONE) {
+        const float3 behind = vload3(0, pixel + offsets.albedo);
+        vstore3(fma(media.left, behind, media.albedo), 0, pixel + offsets.albedo);
+    }
+    aov_storeHalf(frame, paths, i, media.t, offsets, pixel);
+}
+
 /* Whether the ray of slot i looks for the media that the camera is in. */
 bool aov_isProbe(HdsPaths paths, uint i) {
     return (path_load_medium(paths, i).x & HDS_PATH_MEDIUM_MASK) == HDS_MEDIUM_PROBE;
@@ -257,6 +280,9 @@ bool aov_pass(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit*
         return false;
     }
 #if HDS_FEATURE_MEDIA_STACK
+    if (!aov_isProbe(paths, i)) {
+        aovMedia_store(aovMedia_upTo(scene->meshMedia, paths, i, hit->t), paths, i);
+    }
     meshMedia_pass(scene, surface, path_load_direction(paths, i).xyz, paths, i);
 #endif
     status.z += HDS_PATH_ONE_PASS;
@@ -289,6 +315,9 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 #endif
     if (hit.chunk == HDS_NONE) {
         aov_storeMiss(offsets, pixel, ids);
+#if HDS_FEATURE_MEDIA_STACK
+        aov_addMedia(frame, scene, paths, i, INFINITY, offsets, pixel);
+#endif
 #if HDS_FEATURE_VOLUMES
         aov_addVolumes(frame, scene, paths, i, INFINITY, offsets, pixel);
 #endif
@@ -347,6 +376,9 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 #endif
     aov_storeHit(frame, scene, &surface, albedo, viewer, offsets, primvarSlots, pixel, ids);
     aov_storeMotion(frame, scene, &hit, offsets, pixel);
+#if HDS_FEATURE_MEDIA_STACK
+    aov_addMedia(frame, scene, paths, i, hit.t, offsets, pixel);
+#endif
 #if HDS_FEATURE_VOLUMES
     aov_addVolumes(frame, scene, paths, i, hit.t, offsets, pixel);
 #endif

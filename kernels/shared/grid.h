@@ -59,7 +59,7 @@ typedef struct {
     u32 firstCell;  /* among those of the scene */
     u32 texture;    /* whose lines the bricks are */
     float greatest; /* of all voxels */
-    u32 firstBrick; /* among those of the scene */
+    u32 firstBrick; /* of its bounds among those of the scene, if they are read */
     u32 reserved;
 } HdsGrid;
 HDS_ASSERT_SIZE(HdsGrid, 48);

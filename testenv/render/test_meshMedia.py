@@ -383,7 +383,7 @@ def Mixed(tmp_path_factory):
                   add=Add, orthographic=False)
 
 
-_AOVS = ("color", "alpha", "albedo", "normal", "primId", "variance")
+_AOVS = ("color", "alpha", "albedo", "volumeDepth", "normal", "primId", "variance")
 _SIZE = (41, 29)  # odd: no wave ends with a row
 
 

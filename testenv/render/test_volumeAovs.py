@@ -6,8 +6,11 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
+import ours
 import volumeCase
+from pxr import Usd
 from stages import author, shapes
+from test_meshMedia import _Stage as _MediaStage
 
 _UNIT = np.ones((16, 16, 16))  # of edge 1
 _GRAY = (0.6, 0.3, 0.1)
@@ -105,3 +108,83 @@ def test_a_denoised_cloud_is_nearer_to_the_truth(tmp_path):
 
     assert Error(layers["color"]) < 0.35 * Error(layers["noisy"]), (Error(layers["color"]), Error(layers["noisy"]))
     assert layers["color"][..., :3].mean() == pytest.approx(truth.mean(), rel=0.02)
+
+
+_LIT = (("Dome", {}),)
+
+
+def _Body(size, absorption=0.0, scattering=0.0, **placement):
+    """A mesh that is filled, for test_meshMedia._Stage."""
+    return shapes.Box(*size), dict(absorption=absorption, scattering=scattering), placement
+
+
+def _FirstHits(path, **settings):
+    picture = ours.Render(path, 16, 16, _AOVS, samples=1, **settings)
+    assert not picture.warnings
+    return picture.layers
+
+
+def _Through(ways, behind):
+    """\\param ways: (length, absorption, scattering) of each part of the ray. \\return the albedo."""
+    left, albedo = np.ones(3), np.zeros(3)
+    for length, absorption, scattering in ways:
+        absorption, scattering = (np.broadcast_to(value, 3).astype(float) for value in (absorption, scattering))
+        after = np.exp(-length * (absorption + scattering))
+        albedo += left * (1 - after) * scattering / np.maximum(absorption + scattering, 1e-30)
+        left = left * after
+    return albedo + left * np.array(behind)
+
+
+_OUTER, _INNER = ((0.5, 0.0, 3.0), (0.5, 2.0, 0.0)), ((0.0, 1.0, 0.2), (1.0, 0.5, 0.7))
+
+
+def test_media_in_meshes_before_a_wall_and_before_nothing(tmp_path):
+    """One in the other, by Beer's law of each part; first hits are those behind them."""
+    path = _MediaStage(tmp_path / "s.usda", [_Body((4, 4, 1), *_OUTER), _Body((4, 4, 0.25), *_INNER)], _LIT, add=_AddWall)
+    layers = _FirstHits(path)
+    ways = [(0.375, *_OUTER), (0.25, *_INNER), (0.375, *_OUTER)]
+    wall = layers["primId"] == layers["primId"][0, -1]
+    assert 0.3 < wall.mean() < 0.7
+    np.testing.assert_allclose(layers["albedo"][wall], np.tile(_Through(ways, _GRAY), (wall.sum(), 1)), rtol=1e-5)
+    np.testing.assert_allclose(layers["albedo"][~wall], np.tile(_Through(ways, (0, 0, 0)), ((~wall).sum(), 1)), rtol=1e-5)
+    np.testing.assert_allclose(layers["cameraDepth"][wall], 11.95, rtol=1e-5)
+
+
+@pytest.mark.parametrize("absorption, depth", [((1.0, 2.0, 3.0), 9.5 + np.log(2) / 2), (0.5, np.inf)], ids=["deep", "thin"])
+def test_media_in_meshes_have_the_depth_of_half_the_light(tmp_path, absorption, depth):
+    layers = _FirstHits(_MediaStage(tmp_path / "s.usda", [_Body((4, 4, 1), absorption)], _LIT, add=_AddWall))
+    np.testing.assert_allclose(layers["volumeDepth"], depth, rtol=1e-6)
+
+
+def test_half_of_the_light_is_lost_in_all_media_together(tmp_path):
+    """A quarter of a unit each of 1 and of 9, a gap between them: ln 2 is come to in the second."""
+    bodies = [_Body((4, 4, 0.25), 1.0, translate=(0, 0, 0.5)), _Body((4, 4, 0.25), 4.0, 5.0)]
+    layers = _FirstHits(_MediaStage(tmp_path / "s.usda", bodies, _LIT))
+    np.testing.assert_allclose(layers["volumeDepth"], 9.875 + (np.log(2) - 0.25) / 9.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("far", [1e6, 1.0], ids=["wall", "farPlane"])
+def test_media_around_the_camera_are_in_the_aovs(tmp_path, far):
+    """The camera in a body that is in another, both of which the far plane may cut."""
+    bodies = [_Body((4, 4, 3), *_OUTER), _Body((4, 4, 1), *_INNER)]
+    path = _MediaStage(tmp_path / "s.usda", bodies, _LIT, eye=(0, 0, 0.25), target=(0, 0, -1), width=0.02, add=_AddWall)
+    stage = Usd.Stage.Open(path)
+    stage.GetPrimAtPath("/World/Camera").GetAttribute("clippingRange").Set((1e-3, far))
+    stage.Save()
+    layers = _FirstHits(path)
+    wall = layers["primId"] != -1
+    ways = [(0.75, *_INNER), (0.25 if far == 1.0 else 1.0, *_OUTER)]
+    assert wall.any() == (far > 1.0)
+    for where, behind in ((wall, _GRAY), (~wall, (0, 0, 0))):
+        np.testing.assert_allclose(layers["albedo"][where], np.tile(_Through(ways, behind), (where.sum(), 1)), rtol=2e-3)
+
+
+def test_a_cloud_in_a_mesh_with_a_medium(tmp_path):
+    """Both dim what is behind; the nearer of their depths of half the light counts."""
+    path = _MediaStage(tmp_path / "s.usda", [_Body((4, 4, 0.25), 4.0, translate=(0, 0, 1))], _LIT, add=_AddWall)
+    layers, *_ = volumeCase.Render(path, _Slab(scattering=(0.5, 2.0, 1.0)), aovs=_AOVS, samples=1)
+    cloud = np.exp(-np.array((0.5, 2.0, 1.0)))
+    wall = layers["primId"] == layers["primId"][0, -1]
+    expected = (1 - cloud) + cloud * np.exp(-1.0) * np.array(_GRAY)
+    np.testing.assert_allclose(layers["albedo"][wall], np.tile(expected, (wall.sum(), 1)), rtol=1e-4)
+    np.testing.assert_allclose(layers["volumeDepth"], 8.875 + np.log(2) / 4, rtol=1e-5)

@@ -200,6 +200,16 @@ def test_what_bounds_of_blocks_decide_is_what_voxels_do(tmp_path):
     assert 0 < read[0] < 0.7 * read[1]
 
 
+def test_bounds_are_kept_of_densities_alone(tmp_path):
+    """Of two grids of as many bricks, one of which glows: 72 bytes for each brick of the other, where bricks stream."""
+    density, emission = (volumeCase.Grid(np.random.default_rng(seed).random((24, 24, 24))) for seed in (1, 2))
+    volumes = {"/A": volumeCase.Volume(density, emission, scattering=1.0, emission=1.0)}
+    path = volumeCase.Stage(tmp_path / "s.usda")
+    resident, streamed = (volumeCase.Render(path, volumes, samples=1, residency=one)[1]["volume"] for one in ("resident", "stream"))
+    assert streamed["bricks"] == 54
+    assert streamed["alwaysResidentBytes"] - resident["alwaysResidentBytes"] == 72 * 27
+
+
 def test_volumes_keep_their_budget(resident):
     """A pool for voxels alone, which the statistics tell from that for textures; by default they share one."""
     path, _ = resident

@@ -51,6 +51,15 @@ TEST(MediaBounds, PointsInOnePlaceAreOne) {
     apart.points = points;
     apart.faceVertexIndices = indices;
     EXPECT_TRUE(IsClosed(apart));
+    // As of a seam whose points are computed twice.
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] += 1e-7F * static_cast<float>(i % 5);
+    }
+    apart.points = points;
+    EXPECT_TRUE(IsClosed(apart));
+    points[0] += 0.01F;
+    apart.points = points;
+    EXPECT_FALSE(IsClosed(apart));
 }
 
 TEST(MediaBounds, BadTopologyIsNotClosed) {
