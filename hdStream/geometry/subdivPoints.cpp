@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hds {
@@ -17,7 +18,7 @@ namespace Far = OpenSubdiv::Far;
 /// Half the distance of the points whose difference is a tangent of the displaced surface.
 constexpr double kStep = 1.0 / 256.0;
 
-/// Points of a face whose differences stand for derivatives.
+/// Points of a face whose differences stand for derivatives along two ways, U and V.
 struct DifferencePoints {
     FacePoint lowU;
     FacePoint highU;
@@ -25,17 +26,57 @@ struct DifferencePoints {
     FacePoint highV;
 };
 
-DifferencePoints PointsAround(FaceShape shape, FacePoint centre) {
-    glm::dvec2 low = glm::max(centre.uv - kStep, 0.0);
-    glm::dvec2 high = glm::min(centre.uv + kStep, 1.0);
+/// The part of a way from a point that is in the face, kStep to both sides at most.
+struct Reach {
+    glm::dvec2 low;
+    glm::dvec2 high;
+    double length = 0.0; ///< in ways
+};
+
+Reach ReachOf(FaceShape shape, const glm::dvec2& from, const glm::dvec2& way) {
+    double low = -kStep;
+    double high = kStep;
+    const auto end = [&](double inside, double slope) { // where inside + t * slope is 0
+        if (slope > 0.0) {
+            low = std::max(low, -inside / slope);
+        } else if (slope < 0.0) {
+            high = std::min(high, inside / -slope);
+        }
+    };
+    end(from.x, way.x);
+    end(from.y, way.y);
     if (shape == FaceShape::Triangle) {
-        centre.uv = glm::mix(centre.uv, FaceCentre(shape).uv, 4.0 * kStep);
-        low = centre.uv - kStep;
-        high = centre.uv + kStep;
+        end(1.0 - from.x - from.y, -way.x - way.y);
+    } else {
+        end(1.0 - from.x, -way.x);
+        end(1.0 - from.y, -way.y);
     }
-    const auto at = [&](double u, double v) { return FacePoint{centre.subFace, {u, v}}; };
-    return {at(low.x, centre.uv.y), at(high.x, centre.uv.y), at(centre.uv.x, low.y),
-            at(centre.uv.x, high.y)};
+    return {from + low * way, from + high * way, high - low};
+}
+
+/// Of a triangle two of the three ways along its sides are taken, for at a corner one of them
+/// leaves it to both sides. Any two, in the order of `ways`, turn to the same side as u and v.
+DifferencePoints PointsAround(FaceShape shape, const FacePoint& centre) {
+    const std::array<glm::dvec2, 3> ways{glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 1)};
+    std::array<Reach, 3> reaches;
+    std::transform(ways.begin(), ways.end(), reaches.begin(),
+                   [&](const glm::dvec2& way) { return ReachOf(shape, centre.uv, way); });
+    std::size_t first = 0;
+    std::size_t second = 1;
+    const auto prefer = [&](std::size_t a, std::size_t b) {
+        if (std::min(reaches[a].length, reaches[b].length) >
+            std::min(reaches[first].length, reaches[second].length)) {
+            first = a;
+            second = b;
+        }
+    };
+    if (shape == FaceShape::Triangle) {
+        prefer(0, 2);
+        prefer(1, 2);
+    }
+    const auto at = [&](const glm::dvec2& uv) { return FacePoint{centre.subFace, uv}; };
+    return {at(reaches[first].low), at(reaches[first].high), at(reaches[second].low),
+            at(reaches[second].high)};
 }
 
 } // namespace

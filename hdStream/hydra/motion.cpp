@@ -4,15 +4,19 @@
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/sceneIndexPlugins.h"
+#include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/imaging/hd/extComputationUtils.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneIndex.h>
 #include <pxr/imaging/hd/timeSampleArray.h>
 #include <pxr/imaging/hd/tokens.h>
+#include <pxr/imaging/hd/xformSchema.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -24,6 +28,10 @@ constexpr unsigned int kUsualSamples = 4;
 constexpr int kNumSteps = 16;
 /// Most samples of points that a computation makes.
 constexpr std::size_t kMostComputed = 32;
+
+/// Where transforms may be asked for at any time they are, at so many equal steps: they may turn by
+/// half a circle in each.
+constexpr int kNumTransformSteps = 8;
 
 using MatrixSamples = HdTimeSampleArray<GfMatrix4d, kUsualSamples>;
 
@@ -67,6 +75,40 @@ std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices) {
             {static_cast<double>(matrices.times[i]), HdStreamToGlm(matrices.values[i])});
     }
     return moves ? samples : std::vector<hds::TransformSample>();
+}
+
+/// A transform at equal steps of the interval, as `hdstream record` has it, where a scene index
+/// tells of a change. Nothing where prims come from scene delegates, which tell their samples
+/// alone.
+std::optional<std::vector<hds::TransformSample>>
+SampleSource(HdSceneDelegate* delegate, const SdfPath& id, const hds::Shutter& interval) {
+    const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
+    if (!scene || HdStreamFindLegacyDelegate(delegate, id)) {
+        return std::nullopt;
+    }
+    const HdXformSchema schema = HdXformSchema::GetFromParent(scene->GetPrim(id).dataSource);
+    const HdMatrixDataSourceHandle source = schema ? schema.GetMatrix() : nullptr;
+    std::vector<HdSampledDataSource::Time> times;
+    if (!source ||
+        !source->GetContributingSampleTimesForInterval(
+            static_cast<float>(interval.open), static_cast<float>(interval.close), &times)) {
+        return std::nullopt;
+    }
+    MatrixSamples matrices;
+    matrices.Resize(kNumTransformSteps + 1);
+    std::vector<double> exact;
+    for (int i = 0; i <= kNumTransformSteps; ++i) {
+        const double time =
+            interval.open + double(i) / kNumTransformSteps * (interval.close - interval.open);
+        exact.push_back(time);
+        matrices.times[std::size_t(i)] = static_cast<float>(time);
+        matrices.values[std::size_t(i)] = source->GetTypedValue(static_cast<float>(time));
+    }
+    std::vector<hds::TransformSample> samples = SamplesFrom(matrices);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i].time = exact[i];
+    }
+    return samples;
 }
 
 /// At what times the samples say something of the shutter's interval.
@@ -129,6 +171,9 @@ HdStreamSampleTransform(HdSceneDelegate* delegate, const SdfPath& id, const hds:
     if (!own.interval.IsOpen()) {
         return {};
     }
+    if (auto samples = SampleSource(delegate, id, own.interval)) {
+        return own.Told(std::move(*samples));
+    }
     MatrixSamples matrices;
     delegate->SampleTransform(id, static_cast<float>(own.interval.open),
                               static_cast<float>(own.interval.close), &matrices);
@@ -140,6 +185,9 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
                                                                    const hds::Shutter& shutter) {
     if (!shutter.IsOpen()) {
         return {};
+    }
+    if (auto samples = SampleSource(delegate, id, shutter)) {
+        return std::move(*samples);
     }
     MatrixSamples matrices;
     delegate->SampleInstancerTransform(id, static_cast<float>(shutter.open),

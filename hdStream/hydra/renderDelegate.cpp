@@ -9,6 +9,7 @@
 #include "hdStream/hydra/light.h"
 #include "hdStream/hydra/lightParameters.h"
 #include "hdStream/hydra/material.h"
+#include "hdStream/hydra/materialContexts.h"
 #include "hdStream/hydra/mesh.h"
 #include "hdStream/hydra/renderBuffer.h"
 #include "hdStream/hydra/renderPass.h"
@@ -23,7 +24,6 @@
 #include <pxr/imaging/hd/renderCapabilitiesSchema.h>
 #include <pxr/imaging/hd/retainedDataSource.h>
 #include <pxr/imaging/hd/tokens.h>
-#include <pxr/usd/sdr/registry.h>
 
 #include <algorithm>
 #include <set>
@@ -37,7 +37,6 @@ const TfToken kHostExporter("hostExporter");
 const TfToken kHostStatusName("hostStatusName");
 const TfToken kHostStepSeconds("hostStepSeconds");
 const TfToken kDelegateRenderProducts("delegateRenderProducts"); // husk's name
-constexpr const char* kMaterialXSurface = "ND_standard_surface_surfaceshader";
 
 bool Contains(const TfTokenVector& tokens, const TfToken& token) {
     return std::find(tokens.begin(), tokens.end(), token) != tokens.end();
@@ -269,19 +268,7 @@ TfToken HdStreamRenderDelegate::GetMaterialBindingPurpose() const {
 }
 
 TfTokenVector HdStreamRenderDelegate::GetMaterialRenderContexts() const {
-    // UsdImaging drops a network whose surface shader is not registered, and does not try the next
-    // context then: MaterialX is asked for where OpenUSD knows its nodes. Karma's context is
-    // MaterialX as Houdini writes it; Storm's may be the only one with a preview.
-    static const bool hasMaterialX =
-        SdrRegistry::GetInstance().GetShaderNodeByIdentifier(TfToken(kMaterialXSurface)) != nullptr;
-    TfTokenVector contexts;
-    if (hasMaterialX) {
-        contexts.emplace_back("mtlx");
-        contexts.emplace_back("kma");
-    }
-    contexts.push_back(HdRenderContextTokens->universal);
-    contexts.emplace_back("glslfx");
-    return contexts;
+    return HdStreamMaterialContexts();
 }
 
 bool HdStreamRenderDelegate::IsParallelSyncEnabled(const TfToken& primType) const {

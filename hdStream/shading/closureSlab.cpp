@@ -377,6 +377,24 @@ ClosureSlab AsReflection(ClosureSlab metal) {
     return metal;
 }
 
+/// Whether the normal of what lies on top is that of the base, which takes it where nothing else
+/// comes from the base.
+bool ShareNormal(const ClosureSlab& top, ClosureSlab* base) {
+    ShaderValue& below = base->layered.values[HDS_INPUT_NORMAL];
+    if (IsNothing(base->layered)) {
+        below = top.layered.values[HDS_INPUT_NORMAL];
+    }
+    return AreSame(top.layered.values[HDS_INPUT_NORMAL], below);
+}
+
+/// A reflection by an index alone, which a coat is too.
+bool IsPlain(const ClosureSlab& reflection) {
+    const auto& values = reflection.layered.values;
+    return !values[HDS_INPUT_SCHLICK_EXPONENT] && !values[HDS_INPUT_FILM] &&
+           IsAll(ValueOf(reflection.layered, HDS_INPUT_SPECULAR_COLOR), 1.0F) &&
+           IsAll(reflection.factor, 1.0F);
+}
+
 /// One slab on another. What has no place in a layered surface is left out.
 ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
     const LayeredMaterial& below = base.layered;
@@ -400,22 +418,29 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWar
     if (IsReflection(top.layered) && !HasPlaceFor(top.layered, below)) {
         return CoatOne(top, std::move(base), warn);
     }
-    if (!below.values[HDS_INPUT_NORMAL]) {
-        base.layered.values[HDS_INPUT_NORMAL] = top.layered.values[HDS_INPUT_NORMAL];
-        if (Has(below, HDS_INPUT_CLEARCOAT) && !below.values[HDS_INPUT_COAT_NORMAL]) {
-            SetOwnNormal({}, &base.layered); // the coat stays smooth
-        }
-    }
     if (IsReflection(top.layered)) {
+        if (!ShareNormal(top, &base)) {
+            if (IsPlain(top)) {
+                SetCoat(top, &base);
+                return {base};
+            }
+            warn("a reflection with a colour or a film of its own and what lies below it share one "
+                 "normal");
+            ShaderValue& normal = base.layered.values[HDS_INPUT_NORMAL];
+            normal = normal ? normal : top.layered.values[HDS_INPUT_NORMAL];
+        }
         SetReflection(top, &base);
         return {base};
     }
     if (IsSheen(top.layered)) {
         if (Has(below, HDS_INPUT_SHEEN)) {
             warn("a sheen above another is left out");
-        } else {
-            SetSheen(top, !IsDiffuse(below), &base);
+            return {base};
         }
+        if (!ShareNormal(top, &base)) {
+            warn("a sheen has the normal of what lies below");
+        }
+        SetSheen(top, !IsDiffuse(base.layered), &base);
         return {base};
     }
     // Whatever else lies on top lets nothing through where it is.

@@ -126,11 +126,19 @@ bool IsAll(const ShaderValue& value, float constant) {
 }
 
 bool AreSame(const ShaderValue& a, const ShaderValue& b) {
-    if (IsConstant(a) && IsConstant(b)) {
-        return ConstantOf(a) == ConstantOf(b);
+    if (!a || !b) {
+        return !a && !b;
+    }
+    // A scalar stands for itself in all components, whatever its constant holds beyond the first.
+    const ShaderValue x = Spread(a);
+    const ShaderValue y = Spread(b);
+    if (IsConstant(x) && IsConstant(y)) {
+        const auto count = static_cast<std::ptrdiff_t>(std::max(a.numComponents, b.numComponents));
+        return std::equal(ConstantOf(x).begin(), ConstantOf(x).begin() + count,
+                          ConstantOf(y).begin());
     }
     std::set<Pair> known;
-    return AreAlike(a, b, &known);
+    return AreAlike(x, y, &known);
 }
 
 ShaderValue Spread(const ShaderValue& value) {

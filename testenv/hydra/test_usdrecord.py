@@ -78,6 +78,60 @@ def test_translated_scene_is_that_of_hdstream_record(case, frontEnds, isStream, 
     CheckDifferences(differences, frontEnds.openUsd.version, frontEnds.mode, f"translate/{case}")
 
 
+_STANDARD, _PREVIEW = "ND_standard_surface_surfaceshader", "UsdPreviewSurface"
+# {context: (surface shader, what it emits)}, and which context is drawn.
+SURFACES = {
+    "unknownMaterialX": ({"mtlx": ("ND_ours_surfaceshader", 0.9), "": (_PREVIEW, 0.1)}, ""),
+    "unknownKarma": ({"kma": ("kma_ours", 0.9), "glslfx": (_PREVIEW, 0.2)}, "glslfx"),
+    "otherRenderers": ({"": ("PxrSurface", 0.9), "glslfx": (_PREVIEW, 0.3)}, "glslfx"),
+    "unknownAndKarma": ({"mtlx": ("ND_ours_surfaceshader", 0.9), "kma": (_STANDARD, 0.4), "": (_PREVIEW, 0.9)}, "kma"),
+    "withoutId": ({"mtlx": ("", 0.9), "": (_PREVIEW, 0.5)}, ""),
+    "drawn": ({"mtlx": (_STANDARD, 0.6), "": (_PREVIEW, 0.9)}, "mtlx"),
+    "noneIsDrawn": ({"mtlx": ("ND_ours_surfaceshader", 0.9), "": ("PxrSurface", 0.9)}, None),
+}
+
+
+def _AddSurfaces(stage, path, surfaces):
+    """A material with a surface for each render context, displaced by MaterialX's own."""
+    material = UsdShade.Material.Define(stage, path)
+    for context, (identifier, emitted) in surfaces.items():
+        shader = UsdShade.Shader.Define(stage, f"{path}/S{context}")
+        if identifier:
+            shader.CreateIdAttr(identifier)
+        color = "emissiveColor" if identifier == _PREVIEW else "emission_color"
+        for name, value in {color: emitted, "emission": 1.0, "base": 0.0, "specular": 0.0, "diffuseColor": 0.0}.items():
+            isColor = "olor" in name
+            shader.CreateInput(name, Sdf.ValueTypeNames.Color3f if isColor else Sdf.ValueTypeNames.Float).Set(
+                (value, value, value) if isColor else value)
+        material.CreateSurfaceOutput(context or UsdShade.Tokens.universalRenderContext).ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+    move = UsdShade.Shader.Define(stage, f"{path}/Move")
+    move.CreateIdAttr("ND_displacement_float")
+    move.CreateInput("displacement", Sdf.ValueTypeNames.Float).Set(0.25)
+    material.CreateDisplacementOutput("mtlx").ConnectToSource(move.CreateOutput("out", Sdf.ValueTypeNames.Token))
+    return material
+
+
+def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(frontEnds, isStream, tmp_path):
+    """Hydra hands over one network a material, the first whose context the material has: the others are asked for."""
+    if not isStream or not frontEnds.openUsd.hasMaterialX:
+        pytest.skip("needs Stream, and an OpenUSD with MaterialX: materials have no context mtlx without (docs/materials.md)")
+    stage = author.NewStage(tmp_path / "surfaces.usda")
+    for i, (name, (surfaces, _)) in enumerate(SURFACES.items()):
+        author.AddMesh(stage, f"/World/{name}", shapes.Plane(2.0, 1.0), material=_AddSurfaces(stage, f"/World/M{name}", surfaces),
+                       translate=(0, 0, 1.2 * i), color=(0, 0, 0))
+    author.AddCamera(stage, eye=(0, 12, 3.6), target=(0, 0, 3.6), up=(0, 0, -1))
+    author.AddLight(stage, "/World/Light", "Distant", intensity=0.0)
+    stage.GetRootLayer().Save()
+    wrapper = WriteWrapper(tmp_path / "surfaces.usda", tmp_path / "wrapper.usda", WIDTH, mode=frontEnds.mode, **SETTINGS)
+    differences, output = CompareFrontEnds(frontEnds, wrapper, tmp_path)
+    levels = set(np.round(ReadColor(tmp_path / "hydra.exr")[..., 0] * 1000).astype(int).ravel().tolist())
+    expected = {round(1000 * surfaces[context][1]) for surfaces, context in SURFACES.values() if context is not None}
+    assert expected <= levels and 900 not in levels, output
+    CheckDifferences(differences, frontEnds.openUsd.version, frontEnds.mode, "surfaces")
+    assert "is not supported; UsdPreviewSurface is used" in output, output
+
+
 @pytest.mark.parametrize("isPackage", [True, False], ids=["usdz", "folder"])
 def test_textures_are_relative_to_what_authors_them(isPackage, frontEnds, isStream, tmp_path):
     """Tiles of a UDIM set, and an image with a name that is not ASCII, in a usdz or in the folder of a layer further in."""

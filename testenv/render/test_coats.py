@@ -226,9 +226,38 @@ def test_a_coat_stays_smooth_below_a_sheen_with_a_normal(tmp_path):
     def Look(**sheen):
         layers = _Layered(("sheen", dict(weight=1e-6, **sheen)), ("dielectric", dict(roughness=(0.1, 0.1))),
                           ("dielectric", dict(ior=1.0)), ("oren_nayar_diffuse", dict(color=(0.0, 0.0, 0.0))))
-        return _Blocks(_Picture(tmp_path, layers, samples=256, maxDepth=1))
+        return _Blocks(_Render(tmp_path, layers, samples=256, maxDepth=1).rgb)
     plain = Look()
     assert Look(normal=_Map) == pytest.approx(plain, rel=5e-3, abs=2e-3 * plain.mean())
+
+
+@pytest.mark.parametrize("mapped", ["top", "base", "both"])
+def test_a_reflection_by_hand_has_its_own_normal(tmp_path, mapped):
+    """As the coat of a surface that we have built in, to the bit; where both have one normal, as its reflection."""
+    def Inputs(layer, name):
+        return {name: _Map} if mapped in (layer, "both") else {}
+
+    def Coat(stage):
+        UsdShade.Material.Define(stage, "/World/Look")
+        maps = {name: value(stage) for name, value in {**Inputs("base", "normal"), **Inputs("top", "coat_normal")}.items()}
+        if mapped == "both":
+            return AddSurface(stage, "/World/Look", base=1.0, base_color=RED, specular_roughness=0.5, normal=maps["normal"])
+        return AddSurface(stage, "/World/Look", base=1.0, base_color=RED, specular=0.0, coat=1.0, coat_roughness=0.5, **maps)
+    byHand = _Layered(("dielectric", dict(roughness=(0.25, 0.25), **Inputs("top", "normal"))),
+                      ("oren_nayar_diffuse", dict(color=RED, **Inputs("base", "normal"))))
+    assert np.array_equal(_Picture(tmp_path, byHand, samples=4), _Picture(tmp_path, Coat, samples=4))
+
+
+@pytest.mark.parametrize("mapped", ["top", "base", "both"])
+def test_a_sheen_has_the_normal_of_what_it_lies_on(tmp_path, mapped):
+    """What it lies on keeps its own. One line names the layer where the sheen names another."""
+    def Look(top, base):
+        return _Layered(("sheen", dict(normal=_Map) if top else {}), ("oren_nayar_diffuse", dict(color=RED, **(dict(normal=_Map) if base else {}))))
+    isBumped = mapped != "top"
+    picture = _Render(tmp_path, Look(mapped != "base", isBumped), samples=4)
+    lines = [line for line in picture.warnings if "a sheen has the normal of what lies below" in line]
+    assert len(lines) == (0 if mapped == "both" else 1) and all("/World/Look" in line for line in lines), picture.warnings
+    assert np.array_equal(picture.rgb, _Picture(tmp_path, Look(isBumped, isBumped), samples=4))
 
 
 @pytest.mark.parametrize("degrees", [0, 60, 80])

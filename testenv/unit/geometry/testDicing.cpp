@@ -179,12 +179,14 @@ TEST(Dicing, RatesFollowWhatDisplaces) {
         // Of triangles the medians count, which are longer than some sides.
         EXPECT_LT(smooth.triangles.size(), areQuads ? level4 + 1 : level4 * 5 / 4);
         EXPECT_LT(MeanNormalError(smooth, *slow), 1.0);
+        // Normals are those of the place where they stand, whatever the shape of the face.
+        EXPECT_LT(MeanNormalError(DiceUniform(sheet, kAdaptiveLevel, {slow}).chunk, *slow), 0.02);
         // Waves of 8 pixels, of which level 4 has three points each.
         const auto fast = std::make_shared<Ripples>(0.003, 250.0);
         const ChunkGeometry fine = dice(fast);
         const double finest =
             MeanNormalError(DiceUniform(sheet, kAdaptiveLevel, {fast}).chunk, *fast);
-        EXPECT_LT(finest, areQuads ? 2.5 : 4.0); // normals of loop are taken a little inside
+        EXPECT_LT(finest, 2.5);
         EXPECT_LT(MeanNormalError(fine, *fast), 1.1 * finest);
         EXPECT_GT(MeanNormalError(DiceUniform(sheet, 4, {fast}).chunk, *fast), 7.0);
         // Ripples that are farther away are cut less finely: segments of a pixel are enough.

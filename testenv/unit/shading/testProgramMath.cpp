@@ -129,6 +129,23 @@ TEST(ProgramMath, WhatIsComputedAlikeIsTheSame) {
     EXPECT_FALSE(AreSame(doubled(value), doubled(make(HDS_MATH_MAX, 2.0F, 1))));
 }
 
+TEST(ProgramMath, OnlyComponentsThatCountMakeADifference) {
+    const ShaderValue channel = SelectChannel(MakeConstant({0.3F, 0.5F, 0.7F, 1.0F}, 3), 0);
+    const ShaderValue red = MakeConstant({0.3F, 0.0F, 0.0F, 1.0F}, 3);
+    EXPECT_TRUE(AreSame(channel, MakeScalar(0.3F))) << "scalars";
+    EXPECT_FALSE(AreSame(channel, MakeScalar(0.4F)));
+    EXPECT_FALSE(AreSame(channel, red)) << "a scalar is grey";
+    EXPECT_TRUE(AreSame(channel, MakeConstant({0.3F, 0.3F, 0.3F, 1.0F}, 3)));
+    EXPECT_TRUE(AreSame(red, MakeConstant({0.3F, 0.0F, 0.0F, 0.0F}, 3))) << "of three components";
+    EXPECT_FALSE(AreSame(red, MakeConstant({0.3F, 0.0F, 0.1F, 1.0F}, 3)));
+    EXPECT_FALSE(AreSame(MakeConstant({0.1F, 0.2F, 0.3F, 0.0F}, 4),
+                         MakeConstant({0.1F, 0.2F, 0.3F, 1.0F}, 4)));
+    // Of what is not constant too: the first component is another value than all of them.
+    const ShaderValue st = Coordinates();
+    EXPECT_TRUE(AreSame({st.expression, HDS_CHANNEL_ALL, 1}, SelectChannel(st, 0)));
+    EXPECT_FALSE(AreSame({st.expression, HDS_CHANNEL_ALL, 1}, st));
+}
+
 TEST(ProgramMath, ScaledCoordinatesStayCoordinates) {
     const ShaderValue factor = MakeConstant({4.0F, 2.0F, 0.0F, 0.0F}, 2);
     const ShaderValue offset = MakeConstant({0.5F, -1.0F, 0.0F, 0.0F}, 2);
