@@ -19,16 +19,17 @@ class RunFailed(RuntimeError):
     """The command's own message."""
 
 
-def Record(stage, cacheDirectory, limitSeconds=SECONDS, environment=None, onPoll=None, **options) -> dict:
-    """Statistics of one render; options by their name on the command line. Added are `pictureBytes`, and `cpuSeconds` of
-    the whole process, which other work on the machine disturbs less than it does times. One at a time. `environment` is
-    added to this process's own; `onPoll(process id)` is called every 20 ms."""
+def Record(stage, cacheDirectory, limitSeconds=SECONDS, environment=None, onPoll=None, through=(), **options) -> dict:
+    """Statistics of one render; options by their name on the command line, None for one without a value. Added are
+    `pictureBytes`, and `cpuSeconds` of the whole process, which other work on the machine disturbs less than it does times.
+    One at a time. `environment` is added to this process's own; `onPoll(process id)` is called every 20 ms, and ends the
+    process with SIGKILL when it raises; `through` is a command that runs the command."""
     with tempfile.TemporaryDirectory() as folder:
         picture, statistics = f"{folder}/picture.exr", f"{folder}/statistics.json"
-        command = [sys.executable, "-m", "hdstream", "record", str(stage), picture, "--quiet", "--stats", statistics,
+        command = [*through, sys.executable, "-m", "hdstream", "record", str(stage), picture, "--quiet", "--stats", statistics,
                    "--cacheDir", str(cacheDirectory)]
         for name, value in options.items():
-            command += [f"--{name}", str(value)]
+            command += [f"--{name}"] if value is None else [f"--{name}", str(value)]
         before = _CpuSecondsOfChildren()
         try:
             code, said = _Run(command, limitSeconds, {**os.environ, **(environment or {})}, onPoll)

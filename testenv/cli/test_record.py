@@ -238,9 +238,13 @@ def test_default_time(tmp_path):
 def test_quiet_and_progress(tmp_path):
     stage = WriteStage(tmp_path)
     loud = {"HDSTREAM_PROGRESS": "1"}
-    assert "samples" in Run("record", stage, tmp_path / "o.exr", *SMALL, environment=loud).text
+    shown = "".join(Run("record", stage, tmp_path / "o.exr", *SMALL, environment=loud).errors)
+    assert -1 < shown.find("reading the stage") < shown.find("samples")
     result = Run("record", stage, tmp_path / "o.exr", *SMALL, "--quiet", environment=loud)
     assert result.code == 0 and not result.out and not result.errors
+    result = Run("record", tmp_path / "none.usda", tmp_path / "o.exr", *SMALL, environment=loud)
+    *bar, cleared, line = result.errors  # each time that the bar is drawn is a line of its own here
+    assert result.code == 1 and "reading the stage" in bar[-1] and not cleared.strip() and line.startswith("hdstream record: ")
 
 
 def test_framed_and_default_lit_stage(tmp_path):

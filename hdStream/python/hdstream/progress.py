@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is shown on stderr while rendering: a bar with samples a pixel, the share that is done, the time left; warnings."""
+"""What is shown on stderr: a bar with what is done before rays, then samples a pixel, the share that is done, the time left;
+warnings."""
 
 import os
 import shutil
@@ -14,7 +15,7 @@ _INTERVAL = 0.2  # seconds between redraws
 
 
 class ProgressBar:
-    """Draws on a terminal, or when HDSTREAM_PROGRESS=1; else does nothing. Any one thread a time."""
+    """Draws on a terminal, or when HDSTREAM_PROGRESS=1; else does nothing. Any one thread a time. `with` removes it at the end."""
 
     def __init__(self, isQuiet, label=""):
         isWanted = sys.stderr.isatty() or os.environ.get("HDSTREAM_PROGRESS") == "1"
@@ -22,8 +23,24 @@ class ProgressBar:
         self._label = f"{label} " if label else ""
         self._lastDraw = 0.0
         self._length = 0
+        self._start = time.monotonic()
+        self._isBeginning = False
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.Clear()
+
+    def Begin(self, what):
+        """What is done before there is a share of it to show; may be called again while it goes on."""
+        self._isBeginning = True
+        self.Show(0.0, f"{what}, {SecondsText(time.monotonic() - self._start)}")
 
     def Update(self, progress):
+        if self._isBeginning:
+            self._isBeginning = False
+            self._lastDraw = 0.0  # short renders have no second one
         self.Show(progress.fraction, f"{progress.samplesDone}/{progress.samplesTotal} samples, "
                                      f"{SecondsText(progress.secondsLeft)} left")
 

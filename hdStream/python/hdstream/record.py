@@ -15,8 +15,7 @@ def Run(args):
     with Interruption() as interruption:
         if args.scheduler or args.workers:
             return _RunOnFarm(args, interruption)
-        progress = ProgressBar(args.quiet)
-        with WarningPrinter(progress, args.verbose) as warn, Warmth(args, warn) as warmth:
+        with ProgressBar(args.quiet) as progress, WarningPrinter(progress, args.verbose) as warn, Warmth(args, warn) as warmth:
             from hdstream.recordArguments import CheckArguments
             CheckArguments(args)
             from hdstream.recorder import Recorder

@@ -20,6 +20,7 @@ class Recorder:
         self._interruption = interruption
         self._progress = progress
         self._warn = warn
+        progress.Begin("reading the stage")
         self._writer = FrameWriter(JobOf(args), warn, warmth)
         self._isFramingNoted = False
         self.frames = FramesOf(args, self._writer.renderer.stage, self._writer.renderer.Warn)
@@ -27,7 +28,9 @@ class Recorder:
     def Record(self, frame):
         """Renders and writes one frame; False when it was interrupted. Raises KeyboardInterrupt where the frame is whole."""
         files = ", ".join(output.file for output in frame.outputs) or frame.file
+        self._progress.Begin("translating the stage")
         if not self._writer.Prepare(frame):
+            self._progress.Clear()
             if not self._args.quiet:
                 print(f"{files}: is there already")
             return True
@@ -69,6 +72,8 @@ class Recorder:
         errors = []
 
         def OnProgress(progress):
+            if progress.fraction == 0 and not isStopping.is_set():
+                self._progress.Begin("preparing the scene")
             if progress.fraction > 0 and not isPrepared.is_set():  # 0 while the scene is prepared
                 isPrepared.set()
                 self._warn.Flush()
