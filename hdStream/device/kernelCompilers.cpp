@@ -6,11 +6,13 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,6 +32,9 @@ constexpr const char* kExecutableName = "hdstreamCompileKernels";
 /// What a compiler is started with: it costs LLVM most of a second to compile this.
 constexpr const char* kSmallestProgram = "kernel void warm(global int* x) { x[0] = 0; }\n";
 
+/// Who gets a smaller part of a core than one in so many hangs, however busy the machine is.
+constexpr int kLeastShare = 1000;
+
 /// An object of this library, by whose address its file is found.
 const char kAnchor = 0;
 
@@ -37,7 +42,8 @@ const char kAnchor = 0;
 class Process {
 public:
     /// \throws Error when it cannot be started.
-    Process(const std::string& executable, std::chrono::milliseconds patience) {
+    Process(const std::string& executable, std::chrono::milliseconds patience)
+        : _patience(patience) {
         int ends[2] = {-1, -1};
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
             throw Error(std::strerror(errno));
@@ -68,7 +74,40 @@ public:
 
     int Socket() const { return _socket; }
 
+    /// Waits until it says something or ends. \return false: it hangs.
+    bool AwaitAnswer() const {
+        using std::chrono::nanoseconds;
+        const nanoseconds begin = CpuTime();
+        nanoseconds last = begin;
+        pollfd answer{_socket, POLLIN, 0};
+        while (true) {
+            const int ready = ::poll(&answer, 1, static_cast<int>(_patience.count()));
+            if (ready > 0) {
+                return true;
+            }
+            if (ready < 0 && errno != EINTR) {
+                return false;
+            }
+            const nanoseconds now = CpuTime();
+            if (ready == 0 &&
+                (now - last < nanoseconds(_patience) / kLeastShare || now - begin > _patience)) {
+                return false;
+            }
+            last = ready == 0 ? now : last;
+        }
+    }
+
 private:
+    /// Of all its threads; 0 when it has ended.
+    std::chrono::nanoseconds CpuTime() const {
+        clockid_t clock{};
+        timespec time{};
+        if (::clock_getcpuclockid(_id, &clock) != 0 || ::clock_gettime(clock, &time) != 0) {
+            return {};
+        }
+        return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+    }
+
     /// Hosts have many threads: nothing of ours runs between fork and exec. \return an error code.
     int Spawn(const std::string& executable, int end) {
         posix_spawn_file_actions_t actions;
@@ -99,6 +138,7 @@ private:
         return code;
     }
 
+    std::chrono::milliseconds _patience;
     pid_t _id = -1;
     int _socket = -1;
 };
@@ -210,7 +250,7 @@ void KernelCompilers::Run() {
             const std::lock_guard<std::mutex> lock(_mutex);
             _sockets.insert(process.Socket());
         }
-        failure = Serve(process.Socket());
+        failure = Serve(process.Socket(), [&] { return process.AwaitAnswer(); });
         const std::lock_guard<std::mutex> lock(_mutex);
         _sockets.erase(process.Socket());
     } catch (const std::exception& error) {
@@ -220,7 +260,7 @@ void KernelCompilers::Run() {
 }
 
 /// \return why the process failed; empty: it did not.
-std::string KernelCompilers::Serve(int socket) {
+std::string KernelCompilers::Serve(int socket, const std::function<bool()>& awaitAnswer) {
     CompileMessage kind{};
     std::string payload;
     ProgramSource smallest;
@@ -228,10 +268,11 @@ std::string KernelCompilers::Serve(int socket) {
     const auto exchange = [&](const ProgramSource& source) {
         const std::string request = PackRequest(_device, source);
         return SendMessage(socket, CompileMessage::Compile, request.data(), request.size()) &&
-               ReceiveMessage(socket, &kind, &payload) &&
+               awaitAnswer() && ReceiveMessage(socket, &kind, &payload) &&
                (kind == CompileMessage::Binary || kind == CompileMessage::NotBuilt);
     };
-    if (!ReceiveMessage(socket, &kind, &payload) || kind != CompileMessage::Ready) {
+    if (!awaitAnswer() || !ReceiveMessage(socket, &kind, &payload) ||
+        kind != CompileMessage::Ready) {
         return "it does not answer as it should";
     }
     std::unique_lock<std::mutex> lock(_mutex);

@@ -13,6 +13,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <set>
@@ -27,7 +28,8 @@ struct KernelCompilersOptions {
     std::string executable;
     /// Most processes at a time; 0: one for each core.
     std::size_t mostProcesses = 0;
-    /// A process that has not answered after so long is given up.
+    /// A process that computes for so long without an answer is given up, and so is one that does
+    /// nothing for so long. Time that other processes take does not count.
     std::chrono::milliseconds patience{60000};
     /// A process that has had nothing to do for so long ends.
     std::chrono::milliseconds idleTime{20000};
@@ -76,7 +78,7 @@ private:
     void JoinEnded();
     void AddProcesses(std::size_t count);
     void Run();
-    std::string Serve(int socket);
+    std::string Serve(int socket, const std::function<bool()>& awaitAnswer);
     bool WaitForWork(std::unique_lock<std::mutex>* lock);
     void EndProcess(const std::string& failure);
 

@@ -56,8 +56,8 @@ std::string WriteTemporary(const std::vector<char>& bytes, const std::string& ex
     return path;
 }
 
-/// Reads a byte range, or the first bytes when `source` is a whole file.
-std::string ReadBytes(const ImageSource& source, std::uint64_t wholeFileLimit,
+/// Reads at most so many bytes of a byte range, or of a whole file.
+std::string ReadBytes(const ImageSource& source, std::uint64_t mostBytes,
                       std::vector<char>* bytes) {
     std::error_code code;
     const auto status = std::filesystem::status(source.file, code);
@@ -82,7 +82,7 @@ std::string ReadBytes(const ImageSource& source, std::uint64_t wholeFileLimit,
                std::to_string(fileSize) + " bytes)";
     }
     const std::uint64_t count =
-        source.size ? source.size : std::min(fileSize - source.offset, wholeFileLimit);
+        std::min(source.size ? source.size : fileSize - source.offset, mostBytes);
     if (count == 0) {
         return "is empty";
     }
@@ -142,15 +142,15 @@ std::unique_ptr<ImageFile> ImageFile::OpenPart(const ImageSource& source, bool i
         return nullptr;
     }
     constexpr std::uint64_t kHeadBytes = 64;
-    *error = ReadBytes(source, isRange ? UINT64_MAX : kHeadBytes, &image->_bytes);
+    *error = ReadBytes(source, kHeadBytes, &image->_bytes);
     if (!error->empty()) {
         *error = image->Error(*error);
         return nullptr;
     }
-    const std::string head(image->_bytes.data(),
-                           std::min<std::size_t>(image->_bytes.size(), kHeadBytes));
-    const std::string content = FormatOfContent(head);
+    const std::string content =
+        FormatOfContent(std::string(image->_bytes.begin(), image->_bytes.end()));
     std::optional<JpegHeader> progressive;
+    bool canHaveProfile = true;
     if (content == "png" || content == "jpeg") {
         std::ifstream file(source.file, std::ios::binary);
         std::error_code code;
@@ -163,13 +163,20 @@ std::unique_ptr<ImageFile> ImageFile::OpenPart(const ImageSource& source, bool i
         }
         if (content == "jpeg" && !code) {
             progressive = ReadProgressiveHeader(file, source.offset, size);
+            canHaveProfile =
+                !progressive || isHeaderOnly || NamesProfile(file, source.offset, size);
         }
     }
     const bool isHeaderRead = isHeaderOnly && progressive;
     if (isHeaderRead) {
         image->_bytes = std::move(progressive->bytes);
+    } else if (isRange) {
+        *error = ReadBytes(source, UINT64_MAX, &image->_bytes);
+        if (!error->empty()) {
+            *error = image->Error(*error);
+            return nullptr;
+        }
     }
-    const bool canHaveProfile = !progressive || progressive->hasProfile;
     *error = image->OpenWith(content.empty() ? FormatOfName(image->_name) : content, source.file,
                              isRange || isHeaderRead, canHaveProfile);
     if (error->empty() && isHeaderRead) {

@@ -29,8 +29,8 @@ public:
 
     /// Opens an image; null with `error` (one line that names the file) when it cannot be read.
     static std::unique_ptr<ImageFile> Open(const ImageSource& source, std::string* error);
-    /// The same of an image whose pixels nobody will read: takes no time for a progressive JPEG
-    /// file, which Open decodes.
+    /// The same of an image whose pixels nobody will read: reads no more than the header of a
+    /// progressive JPEG file, which Open decodes.
     static std::unique_ptr<ImageFile> OpenHeader(const ImageSource& source, std::string* error);
     ~ImageFile();
     ImageFile(const ImageFile&) = delete;
@@ -56,7 +56,7 @@ private:
     static std::unique_ptr<ImageFile> OpenPart(const ImageSource& source, bool isHeaderOnly,
                                                std::string* error);
     /// \param isInMemory the file is _bytes, and its name does not count
-    /// \param canHaveProfile an ICC profile: OpenImageIO decodes it
+    /// \param canHaveProfile an ICC profile: OpenImageIO decodes it, one at a time
     std::string OpenWith(const std::string& format, std::string file, bool isInMemory,
                          bool canHaveProfile);
     std::string Error(const std::string& reason) const { return _name + ": " + reason; }

@@ -13,23 +13,30 @@ namespace {
 using namespace std::string_view_literals;
 
 enum Marker : unsigned char {
+    kFirstFrame = 0xc0,
     kProgressiveFrame = 0xc2,
     kHuffmanTables = 0xc4,
     kExtension = 0xc8,
     kArithmeticTables = 0xcc,
+    kLastFrame = 0xcf,
     kStartOfImage = 0xd8,
     kEndOfImage = 0xd9,
-    kStartOfScan = 0xda,
-    kProfile = 0xe2
+    kStartOfScan = 0xda
 };
 constexpr unsigned char kPrefix = 0xff;
 constexpr std::string_view kProfileName = "ICC_PROFILE\0"sv;
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20; ///< nobody says so much of an image
 constexpr char kSideOfNothing = 8;
 
+/// Markers that no length follows, and what none has defined.
+bool IsAlone(unsigned char marker) {
+    constexpr unsigned char kFirstRestart = 0xd0;
+    return marker < kFirstFrame || (marker >= kFirstRestart && marker <= kEndOfImage);
+}
+
 bool IsFrame(unsigned char marker) {
-    return marker >= 0xc0 && marker <= 0xcf && marker != kHuffmanTables && marker != kExtension &&
-           marker != kArithmeticTables;
+    return marker >= kFirstFrame && marker <= kLastFrame && marker != kHuffmanTables &&
+           marker != kExtension && marker != kArithmeticTables;
 }
 
 /// A segment: its marker, then the length of the rest in two bytes, which counts these.
@@ -48,7 +55,7 @@ public:
                 return std::nullopt;
             }
         }
-        if (!Take(&head[2], 2)) {
+        if (IsAlone(head[1]) || !Take(&head[2], 2)) {
             return std::nullopt;
         }
         const std::size_t length = std::size_t{head[2]} << 8U | head[3];
@@ -102,11 +109,6 @@ std::optional<JpegHeader> ReadProgressiveHeader(std::istream& file, std::uint64_
     }
     while (const std::optional<std::size_t> place = segments.Read(&header.bytes)) {
         const auto marker = static_cast<unsigned char>(header.bytes[*place + 1]);
-        const std::string_view rest(header.bytes.data() + *place + 4,
-                                    header.bytes.size() - *place - 4);
-        header.hasProfile =
-            header.hasProfile ||
-            (marker == kProfile && rest.substr(0, kProfileName.size()) == kProfileName);
         if (marker == kStartOfScan) {
             header.bytes.push_back(static_cast<char>(kPrefix));
             header.bytes.push_back(static_cast<char>(kEndOfImage));
@@ -122,6 +124,29 @@ std::optional<JpegHeader> ReadProgressiveHeader(std::istream& file, std::uint64_
         }
     }
     return std::nullopt;
+}
+
+bool NamesProfile(std::istream& file, std::uint64_t begin, std::uint64_t size) {
+    constexpr std::size_t kBytesAtOnce = std::size_t{1} << 16;
+    std::vector<char> bytes;
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(begin));
+    for (std::uint64_t left = size; left > 0;) {
+        // The end of what was read may be the name's beginning.
+        const std::size_t kept = std::min(bytes.size(), kProfileName.size() - 1);
+        bytes.erase(bytes.begin(), bytes.end() - static_cast<std::ptrdiff_t>(kept));
+        const std::size_t count = std::min<std::uint64_t>(left, kBytesAtOnce);
+        bytes.resize(kept + count);
+        if (!file.read(bytes.data() + kept, static_cast<std::streamsize>(count))) {
+            return true; // nobody knows
+        }
+        left -= count;
+        if (std::string_view(bytes.data(), bytes.size()).find(kProfileName) !=
+            std::string_view::npos) {
+            return true;
+        }
+    }
+    return false;
 }
 
 } // namespace hds

@@ -165,6 +165,27 @@ TEST_F(KernelCompilersTest, OneThatHangs) {
                    "it ended or hangs while it compiles test.cl", 300);
 }
 
+/// As on a machine under load: it takes longer than anybody waits, but not of its own time.
+TEST_F(KernelCompilersTest, OneThatIsSlowIsWaitedFor) {
+    const std::string computes = "i=0; while [ $i -lt 30000 ]; do i=$((i + 1)); done; sleep 1; ";
+    const std::string saysNotBuilt =
+        "printf 'hdsComp1\\3\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0'; ";
+    KernelCompilers& compilers =
+        Use(Script(kSaysReady + computes + computes + computes + saysNotBuilt + "exec sleep 1000"),
+            1500);
+    compilers.Begin({Source("3")});
+    EXPECT_TRUE(compilers.Take(Source("3").key).empty());
+    EXPECT_TRUE(compilers.CanCompile());
+    device->SetCompilers(nullptr);
+    EXPECT_TRUE(warnings.Lines().empty());
+    ExpectNoChild();
+}
+
+TEST_F(KernelCompilersTest, OneThatComputesForEver) {
+    ExpectFallback(Script(std::string(kSaysReady) + "while :; do :; done"),
+                   "it ended or hangs while it compiles test.cl", 300);
+}
+
 /// As on a machine under load: each of two processes fails with another program.
 TEST_F(KernelCompilersTest, SeveralThatHangAreOneLine) {
     std::vector<ProgramSource> sources;

@@ -11,6 +11,7 @@
 
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -107,18 +108,22 @@ TEST(JpegHeader, IsFoundWhereItBegins) {
     ASSERT_TRUE(header);
     EXPECT_EQ(header->width, 300U);
     EXPECT_EQ(header->height, 500U);
-    EXPECT_FALSE(header->hasProfile);
     EXPECT_TRUE(HeaderOf(kBegin + "\xff\xff" + kFrame + kScan)) << "bytes that fill up";
 }
 
-TEST(JpegHeader, TellsOfProfiles) {
-    const std::string name("ICC_PROFILE\0\1\1", 14);
-    const auto header = HeaderOf(kBegin + Segment('\xe2', name + "profile") + kFrame + kScan);
-    ASSERT_TRUE(header);
-    EXPECT_TRUE(header->hasProfile);
-    const auto other = HeaderOf(kBegin + Segment('\xe2', "FPXR") + kFrame + kScan);
-    ASSERT_TRUE(other);
-    EXPECT_FALSE(other->hasProfile);
+TEST(JpegHeader, ProfilesAreFoundAnywhere) {
+    const std::string name("ICC_PROFILE\0", 12);
+    for (const std::size_t place : {0, 1, 65530, 65536, 131071}) {
+        std::string bytes(140000, 'x');
+        bytes.replace(place, name.size(), name);
+        std::istringstream stream("before" + bytes);
+        EXPECT_TRUE(hds::NamesProfile(stream, 6, bytes.size())) << place;
+        EXPECT_FALSE(hds::NamesProfile(stream, 6, place + name.size() - 1)) << place;
+        EXPECT_TRUE(hds::NamesProfile(stream, 6, bytes.size() + 1)) << "that cannot be read";
+    }
+    std::istringstream without("before" + std::string(140000, 'x'));
+    EXPECT_TRUE(hds::NamesProfile(without, 6, 140001)) << "that cannot be read";
+    EXPECT_FALSE(hds::NamesProfile(without, 6, 140000)) << "after a read that failed";
 }
 
 TEST(JpegHeader, IsNotThereInDamagedFiles) {
@@ -130,6 +135,9 @@ TEST(JpegHeader, IsNotThereInDamagedFiles) {
     EXPECT_FALSE(HeaderOf(kBegin + Segment('\xc2', "\x08") + kScan)) << "a frame without a size";
     EXPECT_FALSE(HeaderOf(kBegin + std::string("\xff\xc2\0\1", 4) + kScan)) << "a length below 2";
     EXPECT_FALSE(HeaderOf("\xff\xd9" + kFrame + kScan)) << "another file";
+    for (const char* alone : {"\xff\x01", "\xff\xd0", "\xff\xd7", "\xff\xd9"}) {
+        EXPECT_FALSE(HeaderOf(kBegin + alone + kFrame + kScan)) << "no length follows this marker";
+    }
     const std::string empty = std::string("\x08\0\0\x01\x2c\x01\x01\x11\x00", 9);
     EXPECT_FALSE(HeaderOf(kBegin + Segment('\xc2', empty) + kScan)) << "no rows";
 }
