@@ -196,6 +196,70 @@ def test_a_renderer_that_renders_takes_nothing_else_on(stage):
     assert Same(renderer.Render(**SMALL), expected)
 
 
+def Elsewhere(function):
+    """What it raised, or None, on another thread."""
+    errors = []
+
+    def Work():
+        try:
+            function()
+        except Exception as error:  # pylint: disable=broad-except
+            errors.append(error)
+
+    thread = threading.Thread(target=Work)
+    thread.start()
+    thread.join()
+    return errors[0] if errors else None
+
+
+@pytest.mark.parametrize("call", ["Layers", "Statistics", "Deep", "Film"])
+def test_a_renderer_is_busy_until_its_result_is_read(stage, call):
+    """Reading it takes time, on first hits for one, in which other threads run."""
+    import hdstream
+    from hdstream import _core
+    errors = []
+
+    class Session(_core.Session):
+        """Between its calls another thread asks for something else."""
+
+    def Read(self, *arguments):
+        errors.append(Elsewhere(lambda: renderer.Prepare(imageWidth=8)))
+        return getattr(_core.Session, call)(self, *arguments)
+
+    setattr(Session, call, Read)
+    expected = hdstream.Renderer(stage).Render(deep=True, **SMALL)
+    renderer = hdstream.Renderer(stage, _session=Session())
+    renderer.Prepare(deep=True, **SMALL)
+    if call == "Film":
+        assert renderer.RenderSums().words.shape[:2] == (expected.height, expected.width)
+    else:
+        image = renderer.RenderPrepared()
+        assert Same(image, expected) and np.array_equal(image.deep.samples, expected.deep.samples)
+    assert errors and all(isinstance(error, hdstream.UsageError) and "busy" in str(error) for error in errors), errors
+
+
+def test_nobody_prepares_between_the_halves_of_a_render(stage):
+    """Each time that the renderer is free another thread prepares a frame at once."""
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    expected = renderer.Render(**SMALL)
+    errors = []
+
+    class Lock:
+        def __init__(self, lock):
+            self.acquire, self._lock = lock.acquire, lock
+
+        def release(self):
+            self._lock.release()
+            if not errors:
+                errors.append("being prepared")
+                errors[0] = Elsewhere(lambda: renderer.Prepare(imageWidth=8))
+
+    renderer._isBusy = Lock(renderer._isBusy)
+    assert Same(renderer.Render(**SMALL), expected)
+    assert errors == [None] and renderer.settings["imageWidth"] == 8
+
+
 def test_a_renderer_leaves_no_stage_behind(tmp_path):
     """Its layers would be found again, stale, when the file is opened once more."""
     import hdstream
