@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd
+from pxr import Gf, Usd, Vt
 
 from cliCase import SCENE, Run, WriteStage
 
@@ -145,6 +145,12 @@ def test_errors_are_the_packages(stage, tmp_path):
 @pytest.mark.parametrize("values, text", [
     (dict(purposes="render"), "purposes"),
     (dict(purposes=["renders"]), "'renders' is none of default"),
+    (dict(purposes=Vt.TokenArray(["renders"])), "'renders' is none of default"),
+    (dict(purposes=5), "--purposes: must be a list of names"),
+    (dict(purposes={"render"}), "purposes: {'render'} is of no use"),
+    (dict(samples=[2]), r"samples: \[2\] is of no use"),
+    (dict(imageWidth="wide"), "must be a whole number"),
+    (dict(imageHeight=Gf.Vec2i(2)), "imageHeight: .* is of no use"),
     (dict(crop=(0, 0, 10)), r"crop \(0, 0, 10\)"),
     (dict(crop=(0.5, 0, 10, 10)), "four whole numbers"),
     (dict(camera=Gf.Vec3f(1)), "no such camera"),
@@ -152,7 +158,7 @@ def test_errors_are_the_packages(stage, tmp_path):
 def test_values_of_other_types_are_wrong_usage(stage, values, text):
     import hdstream
     with pytest.raises(hdstream.UsageError, match=text):
-        hdstream.Renderer(stage).Render(**SMALL, **values)
+        hdstream.Renderer(stage).Render(**{**SMALL, **values})
 
 
 def test_masks_and_cameras_as_they_are_meant(stage):
@@ -302,3 +308,20 @@ def test_keywords_win_over_the_render_settings_prim(tmp_path):
     assert (renderer.settings["samples"], renderer.settings["imageWidth"]) == (3, 32)
     renderer.Prepare(renderSettingsPrimPath="/Render", samples=5, purposes=["render"])
     assert (renderer.settings["samples"], renderer.settings["purposes"]) == (5, ["default", "render"])
+
+
+@pytest.mark.parametrize("authored, purposes, warning", [
+    ('token[] includedPurposes = ["renders", "proxy"]', ["default", "proxy"],
+     "includedPurposes: 'renders' is none of default, render, proxy, guide; ignored"),
+    ("int includedPurposes = 5", ["default", "render"], "includedPurposes 5 is no list of names; ignored"),
+    ('token includedPurposes = "proxy"', ["default", "render"], "includedPurposes 'proxy' is no list of names; ignored"),
+    ('string[] includedPurposes = ["proxy"]', ["default", "proxy"], None),
+])
+def test_purposes_of_the_render_settings_prim_are_checked(tmp_path, authored, purposes, warning):
+    import hdstream
+    lines = []
+    stage = str(WriteStage(tmp_path, SCENE + f'def RenderSettings "Render" {{ {authored} }}'))
+    renderer = hdstream.Renderer(stage, onWarning=lines.append)
+    renderer.Prepare(renderSettingsPrimPath="/Render")
+    assert renderer.settings["purposes"] == purposes
+    assert lines == ([f"/Render: {warning}"] if warning else [])
