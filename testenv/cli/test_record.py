@@ -239,12 +239,24 @@ def test_quiet_and_progress(tmp_path):
     stage = WriteStage(tmp_path)
     loud = {"HDSTREAM_PROGRESS": "1"}
     shown = "".join(Run("record", stage, tmp_path / "o.exr", *SMALL, environment=loud).errors)
-    assert -1 < shown.find("reading the stage") < shown.find("samples")
+    assert -1 < shown.find("reading the stage") < shown.find("translating the stage") < shown.find("samples")
     result = Run("record", stage, tmp_path / "o.exr", *SMALL, "--quiet", environment=loud)
     assert result.code == 0 and not result.out and not result.errors
     result = Run("record", tmp_path / "none.usda", tmp_path / "o.exr", *SMALL, environment=loud)
     *bar, cleared, line = result.errors  # each time that the bar is drawn is a line of its own here
     assert result.code == 1 and "reading the stage" in bar[-1] and not cleared.strip() and line.startswith("hdstream record: ")
+
+
+def test_what_is_begun_is_shown_however_soon_it_follows(monkeypatch, capsys):
+    from hdstream.progress import ProgressBar
+    monkeypatch.setenv("HDSTREAM_PROGRESS", "1")
+    with ProgressBar(False) as bar:
+        bar.Begin("first")
+        bar.Begin("second")
+        bar.Clear()
+        bar.Begin("second")
+    shown = capsys.readouterr().err
+    assert [shown.count(what) for what in ("first", "second")] == [1, 2]
 
 
 def test_framed_and_default_lit_stage(tmp_path):

@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd
+from pxr import Gf, Usd, Vt
 
 from cliCase import SCENE, Run, WriteStage
 
@@ -145,6 +145,12 @@ def test_errors_are_the_packages(stage, tmp_path):
 @pytest.mark.parametrize("values, text", [
     (dict(purposes="render"), "purposes"),
     (dict(purposes=["renders"]), "'renders' is none of default"),
+    (dict(purposes=Vt.TokenArray(["renders"])), "'renders' is none of default"),
+    (dict(purposes=5), "--purposes: must be a list of names"),
+    (dict(purposes={"render"}), "purposes: {'render'} is of no use"),
+    (dict(samples=[2]), r"samples: \[2\] is of no use"),
+    (dict(imageWidth="wide"), "must be a whole number"),
+    (dict(imageHeight=Gf.Vec2i(2)), "imageHeight: .* is of no use"),
     (dict(crop=(0, 0, 10)), r"crop \(0, 0, 10\)"),
     (dict(crop=(0.5, 0, 10, 10)), "four whole numbers"),
     (dict(camera=Gf.Vec3f(1)), "no such camera"),
@@ -152,7 +158,7 @@ def test_errors_are_the_packages(stage, tmp_path):
 def test_values_of_other_types_are_wrong_usage(stage, values, text):
     import hdstream
     with pytest.raises(hdstream.UsageError, match=text):
-        hdstream.Renderer(stage).Render(**SMALL, **values)
+        hdstream.Renderer(stage).Render(**{**SMALL, **values})
 
 
 def test_masks_and_cameras_as_they_are_meant(stage):
@@ -194,6 +200,70 @@ def test_a_renderer_that_renders_takes_nothing_else_on(stage):
     assert len(errors) == 8 and all("busy" in error for error in errors), errors
     assert image.isComplete and Same(image, expected)
     assert Same(renderer.Render(**SMALL), expected)
+
+
+def Elsewhere(function):
+    """What it raised, or None, on another thread."""
+    errors = []
+
+    def Work():
+        try:
+            function()
+        except Exception as error:  # pylint: disable=broad-except
+            errors.append(error)
+
+    thread = threading.Thread(target=Work)
+    thread.start()
+    thread.join()
+    return errors[0] if errors else None
+
+
+@pytest.mark.parametrize("call", ["Layers", "Statistics", "Deep", "Film"])
+def test_a_renderer_is_busy_until_its_result_is_read(stage, call):
+    """Reading it takes time, on first hits for one, in which other threads run."""
+    import hdstream
+    from hdstream import _core
+    errors = []
+
+    class Session(_core.Session):
+        """Between its calls another thread asks for something else."""
+
+    def Read(self, *arguments):
+        errors.append(Elsewhere(lambda: renderer.Prepare(imageWidth=8)))
+        return getattr(_core.Session, call)(self, *arguments)
+
+    setattr(Session, call, Read)
+    expected = hdstream.Renderer(stage).Render(deep=True, **SMALL)
+    renderer = hdstream.Renderer(stage, _session=Session())
+    renderer.Prepare(deep=True, **SMALL)
+    if call == "Film":
+        assert renderer.RenderSums().words.shape[:2] == (expected.height, expected.width)
+    else:
+        image = renderer.RenderPrepared()
+        assert Same(image, expected) and np.array_equal(image.deep.samples, expected.deep.samples)
+    assert errors and all(isinstance(error, hdstream.UsageError) and "busy" in str(error) for error in errors), errors
+
+
+def test_nobody_prepares_between_the_halves_of_a_render(stage):
+    """Each time that the renderer is free another thread prepares a frame at once."""
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    expected = renderer.Render(**SMALL)
+    errors = []
+
+    class Lock:
+        def __init__(self, lock):
+            self.acquire, self._lock = lock.acquire, lock
+
+        def release(self):
+            self._lock.release()
+            if not errors:
+                errors.append("being prepared")
+                errors[0] = Elsewhere(lambda: renderer.Prepare(imageWidth=8))
+
+    renderer._isBusy = Lock(renderer._isBusy)
+    assert Same(renderer.Render(**SMALL), expected)
+    assert errors == [None] and renderer.settings["imageWidth"] == 8
 
 
 def test_a_renderer_leaves_no_stage_behind(tmp_path):
@@ -238,3 +308,20 @@ def test_keywords_win_over_the_render_settings_prim(tmp_path):
     assert (renderer.settings["samples"], renderer.settings["imageWidth"]) == (3, 32)
     renderer.Prepare(renderSettingsPrimPath="/Render", samples=5, purposes=["render"])
     assert (renderer.settings["samples"], renderer.settings["purposes"]) == (5, ["default", "render"])
+
+
+@pytest.mark.parametrize("authored, purposes, warning", [
+    ('token[] includedPurposes = ["renders", "proxy"]', ["default", "proxy"],
+     "includedPurposes: 'renders' is none of default, render, proxy, guide; ignored"),
+    ("int includedPurposes = 5", ["default", "render"], "includedPurposes 5 is no list of names; ignored"),
+    ('token includedPurposes = "proxy"', ["default", "render"], "includedPurposes 'proxy' is no list of names; ignored"),
+    ('string[] includedPurposes = ["proxy"]', ["default", "proxy"], None),
+])
+def test_purposes_of_the_render_settings_prim_are_checked(tmp_path, authored, purposes, warning):
+    import hdstream
+    lines = []
+    stage = str(WriteStage(tmp_path, SCENE + f'def RenderSettings "Render" {{ {authored} }}'))
+    renderer = hdstream.Renderer(stage, onWarning=lines.append)
+    renderer.Prepare(renderSettingsPrimPath="/Render")
+    assert renderer.settings["purposes"] == purposes
+    assert lines == ([f"/Render: {warning}"] if warning else [])

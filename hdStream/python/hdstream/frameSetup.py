@@ -31,7 +31,7 @@ def MakeSettings(values, prim, warn):
     settings = _core.Settings()
 
     def Set(name, value):
-        note = _core.SetSetting(settings, name, value)
+        note = _SetSetting(settings, name, value)
         if note:
             subject, _, text = note.partition(": ")
             warn(subject, text)
@@ -48,13 +48,21 @@ def MakeSettings(values, prim, warn):
     for name, value in values.items():
         if value is None or name in _FRAMED:
             continue
-        if name == "purposes" and not isinstance(value, str):  # a text is no list, which the core says
-            value = _WithDefault(value)
-            unknown = [purpose for purpose in value if purpose not in PURPOSES]
+        Set(name, value)
+        if name == "purposes":  # a list, as the core has seen
+            unknown = [purpose for purpose in settings.purposes if purpose not in PURPOSES]
             if unknown:
                 raise UsageError(f"--purposes: {unknown[0]!r} is none of {', '.join(PURPOSES)}")
-        Set(name, list(value) if isinstance(value, tuple) else value)
+            settings.purposes = _WithDefault(settings.purposes)
     return settings
+
+
+def _SetSetting(settings, name, value):
+    """As the core's function, also for values of types that no setting has: there it has a TypeError of several lines."""
+    try:
+        return _core.SetSetting(settings, name, value)
+    except TypeError:
+        raise UsageError(f"{name}: {value!r} is of no use") from None
 
 
 def ShutterOf(cameraPrim, timeCode, settings):
@@ -117,20 +125,20 @@ class Framing:
         isOfPrim = width is None and height is None and bool(resolution)
         if isOfPrim:
             width, height = resolution
-        width = settings.imageWidth if width is None else width
-        if height is None:
-            # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
-            pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)
-            height = max(1, int(pixels / np.float32(aspect)))
-            settings.conformPolicy = "adjustApertureWidth"
-        settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
         try:
-            _core.SetSetting(settings, "imageWidth", width)
-            _core.SetSetting(settings, "imageHeight", height)
+            if width is not None:
+                _SetSetting(settings, "imageWidth", width)
+            if height is None:
+                # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
+                pixels = np.float32(settings.pixelAspectRatio) * np.float32(settings.imageWidth)
+                height = max(1, int(pixels / np.float32(aspect)))
+                settings.conformPolicy = "adjustApertureWidth"
+            _SetSetting(settings, "imageHeight", height)
         except _core.UsageError as error:
             if not isOfPrim:
                 raise
             raise UsageError(f"{self._renderSettings.path}: resolution: {OneLine(error)}") from None
+        settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
 
     def _SetDataWindow(self, settings):
         """The render settings' data window: the image is that part of the full image."""

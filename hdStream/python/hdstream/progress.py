@@ -24,7 +24,7 @@ class ProgressBar:
         self._lastDraw = 0.0
         self._length = 0
         self._start = time.monotonic()
-        self._isBeginning = False
+        self._beginning = ""  # what of `Begin` was said last, until there are samples
 
     def __enter__(self):
         return self
@@ -34,12 +34,14 @@ class ProgressBar:
 
     def Begin(self, what):
         """What is done before there is a share of it to show; may be called again while it goes on."""
-        self._isBeginning = True
+        if what != self._beginning or not self._length:
+            self._beginning = what
+            self._lastDraw = 0.0  # it may be said only once, soon after something else
         self.Show(0.0, f"{what}, {SecondsText(time.monotonic() - self._start)}")
 
     def Update(self, progress):
-        if self._isBeginning:
-            self._isBeginning = False
+        if self._beginning:
+            self._beginning = ""
             self._lastDraw = 0.0  # short renders have no second one
         self.Show(progress.fraction, f"{progress.samplesDone}/{progress.samplesTotal} samples, "
                                      f"{SecondsText(progress.secondsLeft)} left")

@@ -8,11 +8,12 @@ UsdRenderComputeSpec. Attributes "hdstream:NAME" set the core's setting of that 
 import math
 
 import numpy as np
-from pxr import Sdf, UsdRender
+from pxr import Sdf, UsdRender, Vt
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
+from hdstream.options import PURPOSES
 
 NAMESPACE = "hdstream:"
 # Settings that judge what an attribute of UsdRenderSettingsBase says; of `resolution` the options may say something else.
@@ -68,8 +69,7 @@ def ReadRenderSettings(stage, path, session, productPath=None):
         _ReadVars(stage, products[0], settings, session)
         for product in products[1:]:
             session.Warn(product.GetPath().pathString, "not rendered: without OUT all products of the render settings are")
-    if prim.GetAttribute("includedPurposes").HasAuthoredValue():
-        settings.purposes = list(prim.GetAttribute("includedPurposes").Get())
+    _ReadPurposes(prim, settings, session)
     _ReadColorSpace(prim, settings, session)
     _ReadNamespace(prim, settings, session)
     return settings
@@ -184,6 +184,20 @@ def _LightPathOf(source, path):
     except _core.UsageError as error:
         raise UsageError(f"{path}: {OneLine(error)}") from None
     return name
+
+
+def _ReadPurposes(prim, settings, session):
+    attribute = prim.GetAttribute("includedPurposes")
+    if not attribute.HasAuthoredValue():
+        return
+    purposes = attribute.Get()
+    if not isinstance(purposes, (Vt.TokenArray, Vt.StringArray)):
+        session.Warn(settings.path, f"includedPurposes {purposes!r} is no list of names; ignored")
+        return
+    settings.purposes = [purpose for purpose in purposes if purpose in PURPOSES]
+    for purpose in purposes:
+        if purpose not in PURPOSES:
+            session.Warn(settings.path, f"includedPurposes: {purpose!r} is none of {', '.join(PURPOSES)}; ignored")
 
 
 def _ReadColorSpace(prim, settings, session):

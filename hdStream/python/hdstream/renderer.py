@@ -6,7 +6,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import tempfile
 import threading
 import warnings
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
@@ -17,8 +16,8 @@ from pxr import Usd
 from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.framing import FREE_CAMERA_PATH
-from hdstream.frameSetup import MakeMetadata
-from hdstream.preparedStage import Frame, PreparedStage
+from hdstream.image import Image
+from hdstream.preparedStage import PreparedStage
 from hdstream.processTime import SecondsSinceStart
 
 Progress = _core.Progress
@@ -76,7 +75,7 @@ class Renderer:
         return self._session.Warnings()
 
     def Render(self, timeCode: Union[float, Usd.TimeCode, None] = None,
-               onProgress: Optional[Callable[[_core.Progress], Any]] = None, **settings: Any) -> "Image":
+               onProgress: Optional[Callable[[_core.Progress], Any]] = None, **settings: Any) -> Image:
         """Renders one picture. Blocks.
 
         Parameters
@@ -106,8 +105,9 @@ class Renderer:
         KeyboardInterrupt
             Ctrl-C, on the main thread.
         """
-        self.Prepare(timeCode, **settings)
-        return self.RenderPrepared(onProgress)
+        with self._Alone():  # as a whole: between the two another thread might prepare a frame of its own
+            self._PrepareFrame(timeCode, **settings)
+            return self._Image(self._RenderFilm(onProgress, ()))
 
     def Prepare(self, timeCode: Union[float, Usd.TimeCode, None] = None, *,
                 renderSettingsPrimPath: Optional[str] = None, renderProductPrimPath: Optional[str] = None,
@@ -144,16 +144,11 @@ class Renderer:
         hdstream.UsageError, hdstream.Error, TypeError
             As `Render`.
         """
-        known = {info.name for info in _core.SettingTable()}
-        for name in settings:
-            if name not in known:
-                raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
         with self._Alone():
-            self._isCancelled.clear()
-            self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
+            self._PrepareFrame(timeCode, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop, **settings)
 
     def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
-                       start: Sequence[_core.FilmSums] = ()) -> "Image":
+                       start: Sequence[_core.FilmSums] = ()) -> Image:
         """Renders what was prepared. Blocks. As `Render`, but for `start` and `Cancel`.
 
         Parameters
@@ -170,9 +165,10 @@ class Renderer:
         hdstream.UsageError
             Also for sums of another size or order, and for sums together with the setting `noise`.
         """
-        return self._Image(self._RenderFilm(onProgress, start))
+        with self._Alone():
+            return self._Image(self._RenderFilm(onProgress, start))
 
-    def ImageSoFar(self) -> "Image":
+    def ImageSoFar(self) -> Image:
         """The picture as it is. May be called inside of `onProgress`, on its thread, once `previewStride` is 1.
 
         Returns
@@ -199,10 +195,11 @@ class Renderer:
     def RenderSums(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                    start: Sequence[_core.FilmSums] = ()) -> Optional[_core.FilmSums]:
         """As `RenderPrepared`, but gives the film's sums and no arrays; None when it was cancelled."""
-        return self._session.Film() if self._RenderFilm(onProgress, start) else None
+        with self._Alone():
+            return self._session.Film() if self._RenderFilm(onProgress, start) else None
 
     def ImageOf(self, aovs: Mapping[str, np.ndarray], samples: int, statistics: Mapping[str, Any],
-                headers: Optional[Mapping[str, Mapping[str, str]]] = None) -> "Image":
+                headers: Optional[Mapping[str, Mapping[str, str]]] = None) -> Image:
         """The prepared frame as an image of arrays that were rendered elsewhere, of shapes and types as `Image.aovs`, with
         headers as `Image.headers`."""
         layers = []
@@ -217,20 +214,30 @@ class Renderer:
             raise _core.UsageError("nothing is prepared")
         return frame
 
+    def _PrepareFrame(self, timeCode, renderSettingsPrimPath=None, renderProductPrimPath=None, renderPassPrimPath=None,
+                      crop=None, **settings):
+        """As Prepare. For callers that are alone."""
+        known = {info.name for info in _core.SettingTable()}
+        for name in settings:
+            if name not in known:
+                raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
+        self._isCancelled.clear()
+        self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
+
     def _RenderFilm(self, onProgress, start):
-        """True when it was not cancelled."""
+        """True when it was not cancelled. For callers that are alone until they have read the film."""
         def OnProgress(progress):
             return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
 
-        with self._Alone():
-            frame = self._Frame()
-            self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
-            result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
+        frame = self._Frame()
+        self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
+        result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
         return result == _core.RenderResult.Complete
 
     @contextlib.contextmanager
     def _Alone(self):
-        """The core's session has no locks, and what is prepared is freed and made anew."""
+        """The core's session has no locks, and what is prepared is freed and made anew. Held until what was rendered has been
+        read: that lets other threads run."""
         if not self._isBusy.acquire(blocking=False):
             raise _core.UsageError("the renderer is busy: another thread, or the callback's own render, prepares or renders with it")
         try:
@@ -301,125 +308,6 @@ class Renderer:
         with self._Alone():
             self._Frame()
             self._prepared.Release()
-
-
-class Image:
-    """A picture: arrays by the names of AOVs. Independent of the renderer that made it.
-
-    Attributes
-    ----------
-    aovs : dict of str to numpy.ndarray
-        float32 of shape (height, width, channels), rows from top to bottom; ids are int32 of shape (height, width).
-        Read-only. Names, units and spaces: docs/film.md. Colour is linear Rec. 709, premultiplied by alpha.
-    channels : dict of str to list of str
-        Names of the last dimension: R, G, B, A; X, Y, Z; Z; id.
-    headers : dict of str to dict of str to str
-        What an AOV adds to an EXR's header: of Cryptomattes the names of what they show.
-    deep : DeepImage or None
-        Where the setting `deep` asks for it, samples a surface by pixel (docs/film.md): `counts`, uint32 of shape (height,
-        width), and `samples`, float32 of shape (all counts, 6): Z, ZBack, R, G, B, A, pixel by pixel from front to back.
-    width, height : int
-        Pixels.
-    samples : int
-        Samples that every pixel has.
-    isComplete : bool
-        False when rendering was cancelled.
-    statistics : dict
-        As `--stats` writes it; seconds, bytes, counts (docs/command-line.md).
-    """
-
-    def __init__(self, layers: Sequence[_core.ImageLayer], frame: Frame, isComplete: bool, samples: int,
-                 statistics: Dict[str, Any], deep: Optional[_core.DeepImage] = None) -> None:
-        self.deep = deep
-        self.isComplete = isComplete
-        self.samples = samples
-        self.statistics = statistics
-        self._layers = list(layers)
-        self._settings = frame.settings
-        self._camera = frame.camera
-        self._frameTime = frame.frameTime
-        self.width: int = frame.settings.imageWidth
-        self.height: int = frame.settings.imageHeight
-        self.aovs: Mapping[str, np.ndarray] = {layer.name: layer.pixels for layer in self._layers}
-        self.channels: Mapping[str, List[str]] = {layer.name: list(layer.channels) for layer in self._layers}
-        self.headers: Mapping[str, Mapping[str, str]] = {layer.name: dict(layer.header)
-                                                         for layer in self._layers if layer.header}
-
-    def Write(self, file: Union[str, "os.PathLike[str]"], colorCorrectionMode: str = "",
-              texts: Optional[Mapping[str, str]] = None,
-              layers: Optional[Sequence[Tuple[str, str, bool]]] = None,
-              tileSize: Tuple[int, int] = (0, 0)) -> List[str]:
-        """Writes an image file, whole or not at all.
-
-        Parameters
-        ----------
-        file : str
-            `.exr` (all AOVs, linear), `.png` and `.jpg` (colour, display-referred), `.tif`, `.hdr` (linear).
-        colorCorrectionMode : {"", "disabled", "sRGB", "openColorIO"}
-            For `.png` and `.jpg`; "" is OpenColorIO when `$OCIO` is set, else sRGB.
-        texts : mapping of str to str, optional
-            Further entries of an EXR's header.
-        layers : sequence of (str, str, bool), optional
-            What is written: the AOV, its name in the file, whether an EXR has it as halves. Default: all, as floats.
-        tileSize : (int, int)
-            Width and height of the tiles of an EXR, in pixels; 0: it consists of scan lines.
-
-        Returns
-        -------
-        list of str
-            AOVs that the format has no room for.
-
-        Raises
-        ------
-        hdstream.Error
-            Names file and reason; the old file stays.
-        """
-        metadata = self._Metadata(texts)
-        metadata.tileSize = list(tileSize)
-        written = self._layers
-        if layers is not None:
-            byName = {layer.name: layer for layer in self._layers}
-            written = []
-            for aov, name, isHalf in layers:
-                written.append(_core.ImageLayer(byName[aov]))
-                written[-1].name, written[-1].isHalf = name, isHalf
-        return _core.WriteImage(os.fspath(file), written, colorCorrectionMode, metadata)
-
-    def WriteDeep(self, file: Union[str, "os.PathLike[str]"], texts: Optional[Mapping[str, str]] = None,
-                  isHalf: bool = False) -> None:
-        """Writes the deep picture to an `.exr`, whole or not at all.
-
-        Parameters
-        ----------
-        file : str
-            Of scan lines, with R, G, B, A, Z and ZBack.
-        texts : mapping of str to str, optional
-            Further entries of its header.
-        isHalf : bool
-            R, G, B and A are halves: alpha is no longer that of the flat picture to the last digit.
-
-        Raises
-        ------
-        hdstream.Error
-            Names file and reason; the old file stays. Also where the render had no deep picture.
-        """
-        if self.deep is None:
-            raise _core.Error(f"cannot write '{os.fspath(file)}': the render has no deep picture (the setting deep)")
-        _core.WriteDeepImage(os.fspath(file), self.deep, isHalf, self._Metadata(texts))
-
-    def _Metadata(self, texts):
-        metadata = MakeMetadata(self._settings, self._camera, self._frameTime)
-        metadata.samples = self.samples
-        metadata.texts = dict(texts or {})
-        return metadata
-
-    def _repr_png_(self):
-        """Shown by notebooks."""
-        with tempfile.TemporaryDirectory() as folder:
-            file = os.path.join(folder, "image.png")
-            self.Write(file, "sRGB")
-            with open(file, "rb") as stream:
-                return stream.read()
 
 
 def Render(stage: Union[Usd.Stage, str, "os.PathLike[str]"], timeCode: Union[float, Usd.TimeCode, None] = None,
