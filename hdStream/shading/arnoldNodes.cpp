@@ -313,8 +313,19 @@ private:
         }
         Copy(node, from, to, result);
         if (const auto found = node.connections.find(from); found != node.connections.end()) {
-            result->connections[to] = SourceOf(found->second, type);
+            result->connections[to] = SourceOf(ColorOfTexture(found->second), type);
         }
+    }
+
+    /// Arnold asks a UsdUVTexture for its colour by any name that is no channel's.
+    MaterialNode::Connection ColorOfTexture(const MaterialNode::Connection& connection) const {
+        static const std::set<std::string> kOutputs = {"r", "g", "b", "a", "rgb", "rgba"};
+        const MaterialNode* node = FindNode(connection.upstreamPath);
+        const bool isTexture =
+            node != nullptr && node->identifier.find("UsdUVTexture") != std::string::npos;
+        return isTexture && kOutputs.count(connection.upstreamOutput) == 0
+                   ? MaterialNode::Connection{connection.upstreamPath, "rgb"}
+                   : connection;
     }
 
     /// A colour as an input of four.

@@ -188,7 +188,10 @@ def test_one_channel_of_an_image_is_all_of_it(tmp_path):
     cards.Add("single", image)
     whole = cards.Node("arnold:image", filename=Sdf.AssetPath("even.exr"))
     cards.Add("mean", cards.Node("arnold:float_to_rgb", r=whole, g=cards.Channel(whole, "b")))
+    other = cards.Node("UsdUVTexture", file=Sdf.AssetPath("even.exr"), wrapS="repeat", wrapT="repeat")  # Arnold takes any name of its output
+    cards.Add("other", cards.Node("arnold:flat", color=other))
     cards.Picture(samples=1)
+    assert cards.strip.Pixels("other")[:, :3] == pytest.approx(np.tile([0.75, 0.25, 0.5], (4, 1)))
     assert cards.strip.Pixels("single")[:, :3] == pytest.approx(np.full((4, 3), 0.5))
     assert cards.strip.Pixels("mean")[:, :3] == pytest.approx(np.tile([0.5, 0.5, 0], (4, 1)))
 
