@@ -16,8 +16,15 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 constexpr const char* kToken = "<UDIM>";
+constexpr const char* kArnoldToken = "<udim>"; // which Arnold knows as well
 constexpr int kFirstTile = 1001;
 constexpr int kLastTile = 1100;
+
+/// Where a path has the token; npos: nowhere.
+std::size_t FindToken(const std::string& path) {
+    const std::size_t at = path.find(kToken);
+    return at == std::string::npos ? path.find(kArnoldToken) : at;
+}
 
 /// The sets that a layer authors as values of attributes. Values of other types stay unread: arrays
 /// are what makes files large.
@@ -39,7 +46,7 @@ std::set<std::string> SetsOf(const SdfLayerHandle& layer) {
 
 /// The resolved path of the first tile that there is, with the token in the place of its number.
 std::string ResolveFrom(const SdfLayerHandle& layer, const std::string& authored) {
-    const std::size_t at = authored.find(kToken);
+    const std::size_t at = FindToken(authored);
     const std::string after = authored.substr(at + std::string(kToken).size());
     for (int tile = kFirstTile; tile <= kLastTile; ++tile) {
         const std::string number = std::to_string(tile);
@@ -57,7 +64,7 @@ std::string ResolveFrom(const SdfLayerHandle& layer, const std::string& authored
 } // namespace
 
 bool HdStreamIsUdimSet(const std::string& path) {
-    return path.find(kToken) != std::string::npos;
+    return FindToken(path) != std::string::npos;
 }
 
 std::string HdStreamResolveUdimSet(const std::string& authored) {

@@ -3,6 +3,7 @@
 // surfaces are read in layeredMaterial.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
+#include "hdStream/shading/arnoldNodes.h"
 #include "hdStream/shading/layeredMaterial.h"
 #include "hdStream/shading/meshMedium.h"
 #include "hdStream/shading/networkEvaluator.h"
@@ -410,7 +411,7 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
 bool IsSurfaceShader(const std::string& identifier) {
     return identifier == "UsdPreviewSurface" ||
            identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier) ||
-           HasSurfaceGraph(identifier);
+           HasSurfaceGraph(identifier) || IsArnoldSurface(identifier);
 }
 
 CompiledMaterial DisplayColorMaterial() {
@@ -530,7 +531,7 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
 
 CompiledMaterial CompileMaterial(const MaterialNetwork& authored, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
-    const MaterialNetwork network = ExpandGraphs(authored);
+    const MaterialNetwork network = ExpandGraphs(TranslateArnold(authored, materialPath, warnings));
     const auto medium = ReadMeshMedium(network, materialPath, warnings);
     const bool isBoundary =
         network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;

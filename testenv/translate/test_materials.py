@@ -239,6 +239,7 @@ def test_udim_pattern_is_resolved(tmp_path):
 
 
 _STANDARD, _PREVIEW, _UNKNOWN = "ND_standard_surface_surfaceshader", "UsdPreviewSurface", "ND_ours_surfaceshader"
+_ARNOLD = "arnold:standard_surface"
 
 
 @pytest.mark.parametrize("surfaces, drawn, told", [
@@ -247,7 +248,9 @@ _STANDARD, _PREVIEW, _UNKNOWN = "ND_standard_surface_surfaceshader", "UsdPreview
     ({"kma": _STANDARD, "": _PREVIEW}, "kma", None), ({"mtlx": _STANDARD, "kma": _STANDARD}, "mtlx", None),
     ({"kma": "kma_ours", "": _PREVIEW}, "", "the universal surface"), ({"mtlx": _UNKNOWN, "kma": _STANDARD}, "kma", "the surface of kma"),
     ({"": _PREVIEW, "glslfx": _PREVIEW}, "", None), ({"": "PxrSurface", "glslfx": _PREVIEW}, "glslfx", "the surface of glslfx"),
-    ({"ri": "PxrSurface", "glslfx": _PREVIEW}, "glslfx", None), ({"mtlx": _UNKNOWN, "": "PxrSurface"}, "mtlx", None)])
+    ({"ri": "PxrSurface", "glslfx": _PREVIEW}, "glslfx", None), ({"mtlx": _UNKNOWN, "": "PxrSurface"}, "mtlx", None),
+    ({"arnold": _ARNOLD, "": _PREVIEW}, "", None), ({"arnold": _ARNOLD, "": "PxrSurface"}, "arnold", "the surface of arnold"),
+    ({"arnold": _ARNOLD}, "arnold", None), ({"arnold": "arnold:two_sided", "": _PREVIEW}, "", None)])
 def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(surfaces, drawn, told):
     """Of contexts in the order of docs/materials.md."""
     outputs = "".join(f"token outputs:{f'{context}:' if context else ''}surface.connect = </M/S{context}.outputs:out>\n" for context in surfaces)
@@ -268,8 +271,8 @@ _SOURCE = """uniform token info:implementationSource = "sourceAsset"
 @pytest.mark.parametrize("body, expected", [
     ("token outputs:surface", ["/M: material has no surface shader; displayColor is used"]),
     ("token outputs:mtlx:surface", ["/M: material has no surface shader; displayColor is used"]),
-    ("token outputs:mtlx:surface\ntoken outputs:arnold:surface",
-     ["/M: material has no UsdPreviewSurface or MaterialX surface, only arnold: not supported yet",
+    ("token outputs:mtlx:surface\ntoken outputs:ri:surface",
+     ["/M: material has no UsdPreviewSurface or MaterialX surface, only ri: not supported yet",
       "/M: material has no surface shader; displayColor is used"]),
     (f'token outputs:surface.connect = </M/A.outputs:out>\ndef Shader "A" {{ {_SOURCE} }}',
      ["/M: surface shader /M/A, which has no shader id, is not supported; displayColor is used"]),

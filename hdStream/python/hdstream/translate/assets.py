@@ -18,8 +18,9 @@ class AssetResolver:
         """The reference of an attribute's asset value; its `file` is empty when it is not found."""
         authored = assetPath.path
         resolved = assetPath.resolvedPath
-        if not resolved and "<UDIM>" in authored:
-            resolved = _ResolveUdim(attribute, authored)
+        pattern = authored.replace("<udim>", "<UDIM>")  # which Arnold knows as well
+        if not resolved and "<UDIM>" in pattern:
+            resolved = _ResolveUdim(attribute, pattern)
         if resolved.endswith("]"):
             return self._InPackage(authored, resolved)
         return _core.AssetReference(authored, resolved)

@@ -16,9 +16,9 @@ from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 
 _TERMINALS = ("surface", "displacement", "volume")
 # Render contexts of terminals, best first: MaterialX, Karma's (MaterialX as Houdini's Karma Material Builder writes it), the
-# universal one, and Storm's, where assets for another renderer have their preview.
+# universal one, Storm's, where assets for another renderer have their preview, and Arnold's.
 _CONTEXTS = {"mtlx:": "the surface of mtlx", "kma:": "the surface of kma", "": "the universal surface",
-             "glslfx:": "the surface of glslfx"}
+             "glslfx:": "the surface of glslfx", "arnold:": "the surface of arnold"}
 # Bindings of purpose "full" first, then those for all purposes, as every final renderer.
 BINDING_PURPOSE = "full"
 
