@@ -51,7 +51,7 @@ def _Stage(path, bodies, lights=(("Dome", {}),), width=1.0, add=None, eye=(0, 0,
 
 
 def _Mean(path, samples=64, **settings):
-    picture = ours.Render(path, 16, 16, samples=samples, maxDepth=24, **{"russianRoulette": True, **settings})
+    picture = ours.Render(path, 16, 16, samples=samples, **{"russianRoulette": True, "maxDepth": 24, **settings})
     assert not picture.warnings
     return picture.rgb.reshape(-1, 3).mean(0)
 
@@ -61,8 +61,10 @@ def _Mean(path, samples=64, **settings):
     dict(scattering=3.0, surface=dict(_CLEAR)), dict(scattering=(1.0, 3.0, 0.0), surface=dict(_CLEAR, specular_IOR=1.5))],
     ids=["bare", "colours", "clear", "glass"])
 def test_what_absorbs_nothing_is_invisible_in_a_furnace(tmp_path, medium):
-    tolerance = 0.01 if "surface" in medium else 0.005
-    assert _Mean(_Stage(tmp_path / "s.usda", [(_BALL, medium, {})]), 512) == pytest.approx(np.ones(3), abs=tolerance)
+    # Light that is reflected within glass at a grazing angle meets its wall many times between two events.
+    glass = medium.get("surface", {}).get("specular_IOR", 1.0) > 1.0
+    left = _Mean(_Stage(tmp_path / "s.usda", [(_BALL, medium, {})]), 2048 if glass else 512, maxDepth=200 if glass else 24)
+    assert left == pytest.approx(np.ones(3), abs=0.005)
 
 
 def test_overlapping_bodies_are_invisible_in_a_furnace(tmp_path):

@@ -140,6 +140,26 @@ def test_the_inside_of_a_surface_absorbs_where_it_is(tmp_path, first, second):
     assert picture.rgb.reshape(-1, 3).mean(0) == pytest.approx(expected, rel=1e-3)
 
 
+def test_a_camera_in_ink_needs_its_priority(tmp_path):
+    """A body of ink around the camera and around a card that glows, which is seen beside the ink's own wall: without a priority what
+    is within the body is seen as through air; the wall is dimmed either way."""
+    ink = np.array((0.2, 0.5, 0.8))
+    expected = {None: np.ones(3), 0: ink**1.5}
+    for priority, card in expected.items():
+        stage = author.NewStage(str(tmp_path / f"{priority}.usda"))
+        written = {} if priority is None else dict(dielectric_priority=priority)
+        look = AddSurface(stage, "/World/Look", **_CLEAR, specular_IOR=1.0, transmission_color=tuple(ink), transmission_depth=1.0,
+                          **written)
+        author.AddMesh(stage, "/World/Ink", shapes.Box(6, 6, 6), material=look)
+        _AddCard(stage, "Card", 1.0, 2.0, 6.0, rotate=(90, 0, 0), translate=(1.0, 0, -1.0))
+        author.AddLight(stage, "/World/Sky", "Dome")
+        author.AddCamera(stage, eye=(0, 0, 0.5), target=(0, 0, -1), width=10.0, aspect=1.0, orthographic=True)
+        stage.GetRootLayer().Save()
+        picture = ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=64).rgb
+        assert picture[:, 8:].reshape(-1, 3).mean(0) == pytest.approx(card, rel=1e-3)
+        assert picture[:, :8].reshape(-1, 3).mean(0) == pytest.approx(ink**3.5, rel=1e-3)
+
+
 def test_nested_bodies_are_invisible_in_a_furnace(tmp_path):
     """Ice in water in a bowl, with air in it: what absorbs nothing changes nothing, whatever overlaps."""
     stage = author.NewStage(str(tmp_path / "s.usda"))

@@ -198,7 +198,7 @@ TEST(GridPreparer, BoundsBricksOfAnyNumbers) {
 
 TEST(GridPreparer, CutsGridsInMemory) {
     GridPreparer preparer(nullptr);
-    for (const glm::ivec3 first : {glm::ivec3(0), glm::ivec3(-13, 5, 62)}) {
+    for (const glm::ivec3& first : {glm::ivec3(0), glm::ivec3(-13, 5, 62)}) {
         const auto grids =
             preparer.Prepare(std::make_shared<const VoxelGrid>(MakeWaves(first, {70, 40, 9})));
         ASSERT_EQ(grids.size(), 1U);
