@@ -10,6 +10,7 @@
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceGraphs.h"
+#include "hdStream/shading/thinWall.h"
 
 #include <algorithm>
 #include <array>
@@ -467,8 +468,7 @@ struct WholeSurface {
 };
 
 WholeSurface ReadClosures(NetworkEvaluator& network, const MaterialNode& node) {
-    const ShaderValue isThin = network.EvaluateOr(node, "thin_walled", {}, 1);
-    const bool isThinWall = IsConstant(isThin) && ConstantOf(isThin)[0] != 0.0F;
+    const bool isThinWall = IsThinWall(network, node, "thin_walled");
     ClosureReader reader(network, isThinWall);
     WholeSurface surface;
     surface.slabs = reader.Bsdf(node, "bsdf");

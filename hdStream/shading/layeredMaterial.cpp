@@ -10,6 +10,7 @@
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceInputs.h"
+#include "hdStream/shading/thinWall.h"
 #include "kernels/shared/dispersion.h"
 
 #include <algorithm>
@@ -223,10 +224,7 @@ private:
     void Set(std::uint32_t input, const ShaderValue& value) { _result.values[input] = value; }
 
     void SetThinWalled(const char* input) {
-        const ShaderValue value = Read(input);
-        if (IsConstant(value) && ConstantOf(value)[0] != 0.0F) {
-            _result.flags |= HDS_MATERIAL_THIN_WALLED;
-        }
+        _result.flags |= IsThinWall(_network, _node, input) ? HDS_MATERIAL_THIN_WALLED : 0U;
     }
 
     /// \param transmitted share of the subsurface that a thin wall lets through
