@@ -70,10 +70,12 @@ std::vector<AovInfo> MakeTable() {
         Data(kOcclusionAov, {"Y"}, AovFilter::Weighted, 0.0f,
              "share of the hemisphere, by cosine, in which nothing is nearer than "
              "occlusionDistance; 0 where nothing is hit"),
-        Color("albedo", {"R", "G", "B"}, first, "directional albedo of the first hit's material"),
+        Color("albedo", {"R", "G", "B"}, first,
+              "directional albedo of the first hit, with that of the volumes and media before it"),
         Data("volumeDepth", {"Z"}, first, kFar,
-             "distance along the camera's -Z axis in scene units at which a volume has taken half "
-             "of the light; infinite where none does"),
+             "distance along the camera's -Z axis in scene units at which volumes or media of "
+             "meshes "
+             "have taken half of the light; infinite where none do"),
         Integer("primId", "id", first, -1, "prim, -1 where nothing is hit"),
         Integer("instanceId", "id", first, -1,
                 "instance inside its instancer, -1 where nothing is hit or not instanced"),

@@ -91,6 +91,7 @@ struct CommitCache {
           grids(std::make_shared<GridPreparer>(nullptr, &warnings)) {}
     SceneColors colors;
     GeometryStore geometry;
+    ClosedMeshes closedMeshes; ///< of meshes that a medium fills
     PreparedPages pages;
     ImageLibrary images;
     MaterialCache materials;

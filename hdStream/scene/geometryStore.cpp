@@ -29,7 +29,8 @@ GeometryStore::InputsReader::Get(const std::string& path, const GeometryInputs& 
 }
 
 bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
-                            Warnings& warnings, const CancelCallback& isCancelled) {
+                            Warnings& warnings, const CancelCallback& isCancelled,
+                            ClosedMeshes* closed) {
     ForgetOthers(scene);
     // All of this is in the order of paths: nothing is looked up by name.
     std::vector<Missing> missing;
@@ -51,7 +52,7 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
             toPlan.push_back(drawn[i]);
         }
     }
-    const auto prepared = Plan(toPlan, warnings, isCancelled);
+    const auto prepared = Plan(toPlan, warnings, isCancelled, closed);
     bool isWhole = true;
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (prepared[i]) {
@@ -67,7 +68,7 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
 
 std::vector<std::shared_ptr<const PlannedGeometry>>
 GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
-                    const CancelCallback& isCancelled) const {
+                    const CancelCallback& isCancelled, ClosedMeshes* closed) const {
     std::vector<std::shared_ptr<const PlannedGeometry>> planned(prims.size());
     std::atomic<bool> isStopped{false};
     const std::thread::id caller = std::this_thread::get_id();
@@ -78,6 +79,9 @@ GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
                 isStopped = true;
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
+                // Arrays that are read for it are not read again to plan.
+                const auto held = closed != nullptr ? closed->Look(prims[i].second->geometry)
+                                                    : std::shared_ptr<const void>();
                 planned[i] = std::make_shared<const PlannedGeometry>(
                     PlanGeometry(*prims[i].first, prims[i].second, _pageStore, warnings, _sources));
             }

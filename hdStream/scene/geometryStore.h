@@ -3,6 +3,7 @@
 // has changed.
 #pragma once
 
+#include "hdStream/scene/closedMeshes.h"
 #include "hdStream/scene/geometryCommit.h"
 
 #include <functional>
@@ -51,15 +52,17 @@ public:
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the prims
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
     /// cancelled; what is prepared by then is kept.
+    /// \param closed looks at what it was asked for while the arrays are held; may be null.
     /// \pre `drawn` is in the order of paths.
     bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn, Warnings& warnings,
-                 const CancelCallback& isCancelled);
+                 const CancelCallback& isCancelled, ClosedMeshes* closed = nullptr);
 
     /// Plans the geometry of prims, on all cores, and keeps none of it. \return one for each of
     /// `prims`; where it was cancelled some are null.
-    std::vector<std::shared_ptr<const PlannedGeometry>>
-    Plan(const std::vector<Drawn>& prims, Warnings& warnings,
-         const CancelCallback& isCancelled) const;
+    std::vector<std::shared_ptr<const PlannedGeometry>> Plan(const std::vector<Drawn>& prims,
+                                                             Warnings& warnings,
+                                                             const CancelCallback& isCancelled,
+                                                             ClosedMeshes* closed = nullptr) const;
 
     /// Puts geometry in the place of that of drawn[index] of the last Prepare.
     /// \param drawn of the same path; what `prepared` is made of.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
-#include "hdStream/geometry/awayArrays.h"
 #include "hdStream/geometry/splatSource.h"
 #include "hdStream/scene/mediaBounds.h"
 #include "hdStream/shading/materialPrimvars.h"
@@ -120,15 +119,38 @@ std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
     return found->second;
 }
 
+namespace {
+
+bool Refracts(const CompiledMaterial& material) {
+    return (material.constants.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+           (material.constants.flags & HDS_MATERIAL_THIN_WALLED) == 0;
+}
+
+/// Of the inside of a prim, if some is authored.
+std::optional<float> PriorityOf(const GeometryPrim& prim, const CompiledMaterial& material) {
+    const std::optional<float> ofPrim = DielectricPriority(prim.geometry->primvars);
+    return ofPrim ? ofPrim : material.dielectricPriority;
+}
+
+} // namespace
+
+bool MaterialCommit::MayBeFilled(std::size_t index, const GeometryPrim& prim) const {
+    bool isFilled = false;
+    ForEachEntry(index, [&](const Entry& entry) {
+        const CompiledMaterial& material = entry.material->compiled;
+        isFilled = isFilled || (material.constants.flags & HDS_MATERIAL_MEDIUM) != 0 ||
+                   material.meshMedium || (Refracts(material) && PriorityOf(prim, material));
+    });
+    return isFilled;
+}
+
 /// What fills a prim: the volume of its material, or where that has a priority, what its refracting
 /// surface encloses.
 std::optional<shared::HdsMeshMedium> MaterialCommit::MediumOf(const std::string& path,
                                                               const GeometryPrim& prim,
                                                               const CompiledMaterial& material) {
-    const bool refracts = (material.constants.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
-                          (material.constants.flags & HDS_MATERIAL_THIN_WALLED) == 0;
-    const std::optional<float> ofPrim = DielectricPriority(prim.geometry->primvars);
-    const std::optional<float> priority = ofPrim ? ofPrim : material.dielectricPriority;
+    const bool refracts = Refracts(material);
+    const std::optional<float> priority = PriorityOf(prim, material);
     if (!material.meshMedium && !(priority && refracts)) {
         return std::nullopt;
     }
@@ -290,11 +312,7 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
         info.entries.push_back({compiled.emission, syncMode});
     });
     hasMedia = hasMedia || scattersBelow;
-    if ((info.hasMedium || scattersBelow) && prim.geometry->primitives == PrimitiveKind::Faces &&
-        !IsClosed(*Held(prim.geometry))) {
-        _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
-                            "through a hole");
-    }
+    info.isFilled = info.hasMedium || scattersBelow;
     return info;
 }
 

@@ -32,6 +32,7 @@ struct PrimMaterialInfo {
     bool isHair = false;     ///< some entry is hair
     bool isGlass = false;    ///< shadow rays may pass some entry where it refracts
     bool hasMedium = false;  ///< some entry has a medium inside (kernels/shared/meshMedium.h)
+    bool isFilled = false;   ///< the same, or some surface scatters below by its own inputs
 };
 
 /// A compiled material and what it was made of.
@@ -75,6 +76,9 @@ public:
     PrimMaterialInfo AddPrim(std::size_t index, const std::string& path, const GeometryPrim& prim,
                              const PlannedGeometry& prepared,
                              const std::vector<AttributeName>& ofInstances);
+
+    /// Whether AddPrim may say that a prim is filled.
+    bool MayBeFilled(std::size_t index, const GeometryPrim& prim) const;
 
     /// By entry; reads images of heights.
     void GetDisplacements(std::size_t index, std::vector<DisplacementInput>* displacements) const;

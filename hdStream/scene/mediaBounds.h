@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes that a medium fills: whether they have an inside, and where they are. Explained in
-// docs/volumes.md.
+// Meshes that a medium fills: where they are, and which wins. Explained in docs/volumes.md.
 #pragma once
 
 #include "hdStream/geometry/geometryDescription.h"
@@ -12,11 +11,6 @@
 #include <vector>
 
 namespace hds {
-
-/// Whether the faces close up: each edge has as many faces on one side as on the other. Points in
-/// one place are one, and so are those that are closer than a thousandth of the mesh: holes that
-/// are as small do not count.
-bool IsClosed(const GeometryDescription& mesh);
 
 /// The priority of the inside of a prim where bodies overlap, as its primvars say: constant ones of
 /// one number. That of hdstream wins over RenderMan's.

@@ -96,9 +96,17 @@ bool PrimCommit::Run(const CancelCallback& isCancelled) {
     _cache.images.BeginCommit();
     materials.textures = LoadLightTextures(_scene, &_cache);
     materials.Compile(drawn);
-    if (!_cache.geometry.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled)) {
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        const GeometryPrim& prim = drawn[i]->second;
+        if (prim.geometry->primitives == PrimitiveKind::Faces && materials.MayBeFilled(i, prim)) {
+            _cache.closedMeshes.Ask(prim.geometry);
+        }
+    }
+    if (!_cache.geometry.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled,
+                                 &_cache.closedMeshes)) {
         return false;
     }
+    _cache.closedMeshes.LookAtOthers(); // of what is prepared already
     if (isCancelled && isCancelled()) {
         return false;
     }
@@ -227,6 +235,10 @@ void PrimCommit::AddPrim(std::uint32_t index) {
         index, path, prim, prepared, _instancePrimvars.Add(prim, asked, _options.shownPrimvars)));
     PrimMaterialInfo& info = primInfos.back();
     const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
+    if (hasFaces && info.isFilled && !_cache.closedMeshes.IsClosed(prim.geometry)) {
+        _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
+                            "through a hole");
+    }
     const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
     const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
     shared::HdsPrim record{};

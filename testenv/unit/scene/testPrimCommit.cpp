@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -355,6 +356,54 @@ TEST_F(PrimCommitTest, KernelsHaveWhatMediaOfMeshesWithoutFacesNeed) {
     CommitBoth();
     EXPECT_TRUE(kept->hasMedia && kept->hasCutouts);
     ExpectSameDescription();
+}
+
+/// Meshes are looked at for holes while their arrays are in memory anyhow.
+TEST_F(PrimCommitTest, HolesOfWhatIsFilledCostNoReading) {
+    int numReads = 0;
+    const auto away = std::make_shared<GeometryDescription>(*test::MakeGrid(3, 0.2F));
+    const std::vector<float> points(away->points.begin(), away->points.end());
+    const ArraySource::Reader read = [&]() -> ArrayBytes {
+        ++numReads;
+        auto values = std::make_shared<const std::vector<float>>(points);
+        return {values, values->data(), values->size() * sizeof(float)};
+    };
+    const auto source = [&](std::uint64_t mostKeptBytes) {
+        return SharedSpan<float>(
+            std::make_shared<const ArraySource>("/a.points", read(), read, mostKeptBytes));
+    };
+    scene.materials["/mist"] = MakeMist();
+    for (const bool isKept : {true, false}) { // else it is read for its first use
+        away->points = source(isKept ? ArraySource::kMostKeptBytes : 0);
+        away->primvars.push_back({"st", Interpolation::Vertex, 3, source(0), {}});
+        const auto geometry = std::make_shared<const GeometryDescription>(*away);
+        away->primvars.clear();
+        for (const char* path : {"/a", "/b"}) {
+            scene.geometry[path].geometry = geometry;
+            scene.geometry[path].materialPath = "/red";
+        }
+        const auto numReadsOf = [&] {
+            numReads = 0;
+            ++cache.contentVersion;
+            Commit();
+            return numReads;
+        };
+        const int plain = numReadsOf();
+        scene.geometry["/a"].materialPath = scene.geometry["/b"].materialPath = "/mist";
+        EXPECT_LE(numReadsOf(), 1) << "of the points, once for both, and of no primvar";
+        EXPECT_EQ(numReadsOf(), 0);
+        // Filled from the first.
+        auto again = std::make_shared<GeometryDescription>(*geometry);
+        again->points = source(isKept ? ArraySource::kMostKeptBytes : 0);
+        scene.geometry["/a"].geometry = scene.geometry["/b"].geometry = again;
+        EXPECT_LE(numReadsOf(), plain);
+    }
+    const std::vector<std::string> lines = warnings.Lines();
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                            [](const std::string& line) {
+                                return line.find("is not closed") != std::string::npos;
+                            }),
+              2);
 }
 
 TEST_F(PrimCommitTest, AShapeThatIsCancelledComesLater) {
