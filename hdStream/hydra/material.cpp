@@ -73,16 +73,12 @@ bool HasDrawnSurface(const hds::MaterialNetwork& network) {
     return surface != nullptr && hds::IsSurfaceShader(surface->identifier);
 }
 
-/// Adds what a terminal hangs on. What displaces, or fills, stays that of the best context that has
-/// such a terminal.
+/// Adds what a terminal hangs on, in the place of the network's own.
 void TakeTerminal(const std::string& name, const hds::MaterialNetwork& from,
                   hds::MaterialNetwork* network) {
-    const auto terminal = from.terminals.find(name);
-    if (terminal == from.terminals.end()) {
-        return;
-    }
-    network->terminals[name] = terminal->second;
-    std::vector<std::string> pending{terminal->second.upstreamPath};
+    const hds::MaterialNode::Connection& terminal = from.terminals.at(name);
+    network->terminals[name] = terminal;
+    std::vector<std::string> pending{terminal.upstreamPath};
     while (!pending.empty()) {
         const hds::MaterialNode* node = FindNode(from, pending.back());
         pending.pop_back();
@@ -96,34 +92,56 @@ void TakeTerminal(const std::string& name, const hds::MaterialNetwork& from,
     }
 }
 
-/// A material's network: that of the best context whose surface is drawn, else of the best. As the
-/// command line's, so that both front ends draw the same.
+/// The first of the networks that has a terminal; null: none has.
+const hds::MaterialNetwork* FindTerminal(const std::string& name,
+                                         const std::vector<hds::MaterialNetwork>& networks) {
+    const auto found =
+        std::find_if(networks.begin(), networks.end(), [&](const hds::MaterialNetwork& one) {
+            return one.terminals.count(name) != 0;
+        });
+    return found == networks.end() ? nullptr : &*found;
+}
+
+/// A material's network. The surface is that of the best context in which it is drawn, else of the
+/// best that has one; what displaces, or fills, is that of the best context that has it. As on the
+/// command line, so that both front ends draw the same; but contexts after that of the surface are
+/// not asked for.
 hds::MaterialNetwork BestNetwork(HdSceneDelegate* delegate, const SdfPath& id,
                                  const SdfPath& scenePath, HdStreamRenderParam* param) {
-    hds::MaterialNetwork best = NetworkOf(delegate, id, scenePath);
+    std::vector<hds::MaterialNetwork> passed{NetworkOf(delegate, id, scenePath)};
     const bool isVolume =
-        best.terminals.count("surface") == 0 && best.terminals.count("volume") != 0;
-    if (HasDrawnSurface(best) || isVolume) {
-        return best;
+        passed[0].terminals.count("surface") == 0 && passed[0].terminals.count("volume") != 0;
+    if (HasDrawnSurface(passed[0]) || isVolume) {
+        return std::move(passed[0]);
     }
+    hds::MaterialNetwork result = passed[0];
     const std::size_t numContexts = HdStreamMaterialContexts().size();
     for (std::size_t numSkipped = 1; numSkipped < numContexts; ++numSkipped) {
         const HdStreamLaterMaterialContexts later(numSkipped);
-        hds::MaterialNetwork other = NetworkOf(delegate, id, scenePath);
-        if (HasDrawnSurface(other)) {
-            // UsdImaging may have dropped a surface that OpenUSD does not know, and told its id.
-            const hds::MaterialNode* surface = FindSurface(best);
-            const std::string what = surface == nullptr            ? "that OpenUSD does not know"
-                                     : surface->identifier.empty() ? "without an id"
-                                                                   : surface->identifier;
-            param->Warn(scenePath, "surface shader " + what + " is not supported; " +
-                                       FindSurface(other)->identifier + " is used");
-            TakeTerminal("displacement", best, &other);
-            TakeTerminal("volume", best, &other);
-            return other;
+        passed.push_back(NetworkOf(delegate, id, scenePath));
+        if (HasDrawnSurface(passed.back())) {
+            result = passed.back();
+            break;
         }
     }
-    return best;
+    // Where UsdImaging has dropped a surface that OpenUSD does not know there is no terminal: it
+    // has told the id, and here the material looks like one that has no surface there.
+    const hds::MaterialNetwork* best = FindTerminal("surface", passed);
+    const hds::MaterialNode* surface = FindSurface(result);
+    if (best != nullptr && !HasDrawnSurface(*best) && HasDrawnSurface(result)) {
+        const hds::MaterialNode* other = FindSurface(*best);
+        const bool hasId = other != nullptr && !other->identifier.empty();
+        param->Warn(scenePath, "surface shader " + (hasId ? other->identifier : "without an id") +
+                                   " is not supported; " + surface->identifier + " is used");
+    }
+    for (const char* name : {"surface", "displacement", "volume"}) {
+        const bool isSurface = name == std::string("surface");
+        const hds::MaterialNetwork* from = FindTerminal(name, passed);
+        if (from != nullptr && !(isSurface && result.terminals.count(name) != 0)) {
+            TakeTerminal(name, *from, &result);
+        }
+    }
+    return result;
 }
 
 } // namespace

@@ -25,7 +25,7 @@ protected:
                 drawn.emplace_back(&path, std::make_shared<const GeometryInputs>(inputs));
             }
         }
-        return store.Prepare(scene, drawn, warnings, isCancelled);
+        return store.Prepare(scene, drawn, warnings, isCancelled, &closed);
     }
     std::size_t Count() const {
         std::size_t count = 0;
@@ -37,6 +37,7 @@ protected:
     GeometryInputs inputs; ///< but for the geometry
     Warnings warnings;
     GeometryStore store;
+    ClosedMeshes closed;
 };
 
 TEST_F(GeometryStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
@@ -149,6 +150,19 @@ TEST_F(GeometryStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
     inputs.primvars = {};
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 3U);
+}
+
+TEST_F(GeometryStoreTest, WhoPlansLooksForHoles) {
+    const auto shared = scene.geometry["/a"].geometry = scene.geometry["/b"].geometry =
+        Triangle(1.0F);
+    const auto notAsked = scene.geometry["/c"].geometry = Triangle(2.0F);
+    closed.Ask(shared);
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(closed.Look(shared), nullptr) << "not looked at by then";
+    EXPECT_FALSE(closed.IsClosed(shared));
+    closed.Ask(notAsked); // a material is edited: all is planned
+    ASSERT_TRUE(Prepare());
+    EXPECT_NE(closed.Look(notAsked), nullptr);
 }
 
 TEST_F(GeometryStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {
