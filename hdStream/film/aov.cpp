@@ -74,8 +74,7 @@ std::vector<AovInfo> MakeTable() {
               "directional albedo of the first hit, with that of the volumes and media before it"),
         Data("volumeDepth", {"Z"}, first, kFar,
              "distance along the camera's -Z axis in scene units at which volumes or media of "
-             "meshes "
-             "have taken half of the light; infinite where none do"),
+             "meshes have taken half of the light; infinite where none do"),
         Integer("primId", "id", first, -1, "prim, -1 where nothing is hit"),
         Integer("instanceId", "id", first, -1,
                 "instance inside its instancer, -1 where nothing is hit or not instanced"),

@@ -238,7 +238,7 @@ std::string ImageFile::ReadBands(const OIIO::TypeDesc& type, int channelBegin, i
         pixelBytes = type.size() * static_cast<std::uint64_t>(channelEnd - channelBegin);
     }
     const std::uint64_t rowBytes = pixelBytes * Width();
-    // Else OpenImageIO 2.4 reads each band into 64 MiB that it allocates, and clears what it uses.
+    // Else OpenImageIO 2.4 allocates 64 MiB for each band, and the system clears what it uses.
     const bool isAsStored =
         type == OIIO::TypeUnknown || (type == _spec.format && _spec.channelformats.empty());
     const int alignment = _spec.tile_height > 0 ? _spec.tile_height : kRowAlignment;

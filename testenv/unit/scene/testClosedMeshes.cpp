@@ -2,6 +2,8 @@
 // Which meshes have an inside that a medium can fill.
 #include "hdStream/scene/closedMeshes.h"
 
+#include "testenv/support/tetrahedron.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,14 +16,7 @@
 namespace hds {
 namespace {
 
-/// A tetrahedron, wound outwards.
-GeometryDescription Tetrahedron() {
-    GeometryDescription mesh;
-    mesh.points = std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    mesh.faceVertexCounts = std::vector<std::int32_t>{3, 3, 3, 3};
-    mesh.faceVertexIndices = std::vector<std::int32_t>{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-    return mesh;
-}
+using test::Tetrahedron;
 
 TEST(ClosedMeshes, AMeshIsClosedWhereEachEdgeHasTwoSides) {
     EXPECT_TRUE(IsClosed(Tetrahedron()));

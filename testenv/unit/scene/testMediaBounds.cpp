@@ -2,6 +2,8 @@
 // Where meshes are that a medium fills.
 #include "hdStream/scene/mediaBounds.h"
 
+#include "testenv/support/tetrahedron.h"
+
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
@@ -10,14 +12,7 @@
 namespace hds {
 namespace {
 
-/// A tetrahedron, wound outwards.
-GeometryDescription Tetrahedron() {
-    GeometryDescription mesh;
-    mesh.points = std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    mesh.faceVertexCounts = std::vector<std::int32_t>{3, 3, 3, 3};
-    mesh.faceVertexIndices = std::vector<std::int32_t>{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-    return mesh;
-}
+using test::Tetrahedron;
 
 TEST(MediaBounds, TheBoxHoldsAllPlacementsOfWhatHasAMedium) {
     SceneDescription scene;
