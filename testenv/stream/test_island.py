@@ -73,7 +73,8 @@ def test_islands_by_one_more_level_of_instancing(Island, tmp_path):
     for count, statistics in ((4, few), (9, many)):
         assert statistics["geometry"]["instances"] == count * Island.statistics["geometry"]["instances"]
         assert statistics["geometry"]["evictions"] > 0
-    assert few["geometry"]["alwaysResidentBytes"] < 0.2 * case.statistics["geometry"]["alwaysResidentBytes"]
+    # 2 MB of the tables are of plants, whose leaves are as many at any size (docs/decisions/0018-streamed-hierarchy.md).
+    assert few["geometry"]["alwaysResidentBytes"] < 0.4 * case.statistics["geometry"]["alwaysResidentBytes"]
     assert many["geometry"]["alwaysResidentBytes"] - few["geometry"]["alwaysResidentBytes"] <= 5 * 200  # records and their nodes
 
 
