@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
-from pxr import Usd, UsdGeom, Vt
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from stages import crowd
 from streamCase import Case
@@ -93,7 +93,7 @@ def test_few_instances_stay_in_tables(Crowd):
 ], ids=lambda settings: "-".join(settings.values()))
 @pytest.mark.parametrize("copies", _COPIES.values(), ids=_COPIES)
 def test_beside_what_moves(tmp_path, copies, settings):
-    """Kernels know of motion, and of instances that are placed at rest, perhaps in a group that moves."""
+    """Kernels know of motion, and of instances that are placed at rest, perhaps in a group that moves, each with its colour."""
     path = str(tmp_path / "stage.usda")
     crowd.WriteCrowd(path, copies=copies)
     stage = Usd.Stage.Open(path)
@@ -101,8 +101,11 @@ def test_beside_what_moves(tmp_path, copies, settings):
         translate = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Sea")).AddTranslateOp()
         for time in (0.0, 1.0):
             translate.Set((0.3 * time, 0.0, 0.1 * time), time)
-    ball = "/World/Sea/Prototype/Ball1" if copies else "/World/Ball1"
-    points = UsdGeom.Mesh.Get(stage, ball).GetPointsAttr()
+    world = "/World/Sea/Prototype" if copies else "/World"
+    colors = np.random.default_rng(3).uniform(size=(1200, 3)).astype(np.float32)
+    placed = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"{world}/Crowd"))
+    placed.CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex").Set(Vt.Vec3fArray.FromNumpy(colors))
+    points = UsdGeom.Mesh.Get(stage, f"{world}/Ball1").GetPointsAttr()
     still = np.array(points.Get())
     for time in (0.0, 1.0):
         points.Set(Vt.Vec3fArray.FromNumpy(still * np.float32(1 + 0.5 * time)), time)
@@ -111,6 +114,7 @@ def test_beside_what_moves(tmp_path, copies, settings):
     layers, statistics = case.Render(instanceChunks=_LEAST, **settings)
     case.AssertBits(layers)
     assert statistics["geometry"]["chunks"] > case.statistics["geometry"]["chunks"]
+    assert len(np.unique(layers["primvars:displayColor"])) > 100
 
 
 def test_edits_bring_other_chunks(Crowd):
