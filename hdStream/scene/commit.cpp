@@ -91,7 +91,7 @@ private:
                                              {_result->hasCatchers ? 0U : _options.instanceChunks,
                                               _options.chunkBytes, _cache.geometry.Pages()},
                                              std::move(_result->topNodes));
-        if (hierarchy.instanceChunks) {
+        if (!hierarchy.instanceChunks.empty()) {
             AddInstanceChunks(hierarchy.instanceChunks);
         }
         _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
@@ -110,13 +110,15 @@ private:
     }
 
     /// Their chunks come before all others.
-    void AddInstanceChunks(const std::shared_ptr<const InstanceChunks>& instances) {
+    void AddInstanceChunks(const std::vector<std::shared_ptr<const InstanceChunks>>& instances) {
         std::vector<std::shared_ptr<ChunkPages>> chunks;
-        for (std::uint32_t chunk = 0; chunk < instances->NumChunks(); ++chunk) {
-            chunks.push_back(std::make_shared<ChunkPages>(instances, chunk));
+        for (const std::shared_ptr<const InstanceChunks>& ofGroup : instances) {
+            for (std::uint32_t chunk = 0; chunk < ofGroup->NumChunks(); ++chunk) {
+                chunks.push_back(std::make_shared<ChunkPages>(ofGroup, chunk));
+            }
         }
         for (std::size_t i = 1; i < _result->objects.size(); ++i) { // of geometry, so far
-            _result->objects[i].itemBase += instances->NumChunks();
+            _result->objects[i].itemBase += static_cast<std::uint32_t>(chunks.size());
         }
         _result->pages = std::make_shared<GeometryPages>(*_result->pages); // not those of others
         _result->pages->AddInstanceChunks(chunks);

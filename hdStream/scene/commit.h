@@ -52,7 +52,8 @@ struct CommitOptions {
     bool domeVisible = true;                  ///< domes are seen by camera rays
     bool lightsVisible = true;                ///< and so are other lights that are no meshes
     std::uint64_t chunkBytes = 1U << 17U;     ///< about what the pages of a chunk take at most
-    /// The TLAS's instances of instancers, from so many on, lie in chunks; 0: they never do.
+    /// Instances of instancers, of a group or of the TLAS, from so many on, lie in chunks; 0: they
+    /// never do.
     std::uint32_t instanceChunks = 0;
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity

@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <set>
 
@@ -20,7 +21,7 @@ namespace {
 
 /// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
 constexpr int kMaxChain = 64;
-/// Single records with larger boxes stay out of instance chunks: part of the TLAS's box, by axis.
+/// Single records with larger boxes stay out of instance chunks: part of the group's box, by axis.
 constexpr float kLargestInChunks = 1.0F / 16.0F;
 
 Bounds Union(const Bounds& a, const Bounds& b) {
@@ -44,6 +45,11 @@ struct Member {
 struct Prototype {
     SharedSpan<std::int32_t> instances;
     std::vector<Member> members;
+
+    /// Nothing: it is a group.
+    const Member* OnlyLeaf() const {
+        return members.size() == 1 && members[0].leaf != nullptr ? members.data() : nullptr;
+    }
 };
 
 bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int32_t>& b) {
@@ -111,8 +117,12 @@ public:
     Hierarchy Build(HugeVector<shared::HdsBvhNode> nodes) {
         _result.nodes = std::move(nodes);
         CollectMembers();
+        if (_chunking.leastInstances > 0) {
+            _numToChunk = ChooseChunked(nullptr, _roots);
+            std::sort(_chunked.begin(), _chunked.end(), std::less<>());
+        }
         _result.groups.resize(1); // the TLAS, filled last
-        GroupRecords records(_shutter, !MayStream(CountRootInstances()));
+        GroupRecords records(_shutter, !IsChunked(nullptr));
         records.Reserve(_roots.size() + _ownLeaves.size());
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
         for (const Member& member : _roots) {
@@ -121,32 +131,42 @@ public:
         std::vector<Member>().swap(_roots); // of many prims they take more than their records
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
-        if (MayStream(records.NumInRuns()) && !records.Moves()) {
-            FinishInChunks(std::move(records));
-        } else {
-            FinishGroup(std::move(records), 0, &_result.bounds);
-        }
+        Finish(std::move(records), IsChunked(nullptr), 0, &_result.bounds);
         return std::move(_result);
     }
 
 private:
-    /// Whether so many instances of the TLAS lie in chunks, if they rest.
-    bool MayStream(std::uint64_t numInstances) const {
-        return _chunking.leastInstances > 0 && numInstances >= _chunking.leastInstances;
-    }
-
-    /// At most so many instances has the TLAS.
-    std::uint64_t CountRootInstances() const {
-        std::uint64_t count = 0;
-        for (const Member& member : _roots) {
-            const auto prototypes = _prototypes.find(*member.path);
-            if (member.leaf == nullptr && prototypes != _prototypes.end()) {
-                for (const Prototype& prototype : prototypes->second) {
-                    count += prototype.instances.size();
+    /// Chooses groups whose records lie in chunks, if they rest: those with most instances, of
+    /// which no two are on one path, since a ray remembers one instance chunk around what it waits
+    /// for. \param group null: the TLAS. \return at most so many instances lie in chunks then.
+    std::uint64_t ChooseChunked(const Prototype* group, const std::vector<Member>& members) {
+        const std::size_t numBefore = _chunked.size();
+        std::uint64_t numOwn = 0;
+        std::uint64_t numBelow = 0;
+        for (const Member& member : members) {
+            const auto prototypes =
+                member.leaf == nullptr ? _prototypes.find(*member.path) : _prototypes.end();
+            if (prototypes == _prototypes.end() || !_active.insert(*member.path).second) {
+                continue;
+            }
+            for (const Prototype& prototype : prototypes->second) {
+                numOwn += prototype.instances.size();
+                if (prototype.OnlyLeaf() == nullptr) {
+                    numBelow += ChooseChunked(&prototype, prototype.members);
                 }
             }
+            _active.erase(*member.path);
         }
-        return count;
+        if (numOwn < _chunking.leastInstances || numOwn < numBelow) {
+            return numBelow;
+        }
+        _chunked.resize(numBefore);
+        _chunked.push_back(group);
+        return numOwn;
+    }
+
+    bool IsChunked(const Prototype* group) const {
+        return std::binary_search(_chunked.begin(), _chunked.end(), group, std::less<>());
     }
 
     /// Sorts every drawn prim and instancer under the instancer that places it, in path order.
@@ -251,9 +271,7 @@ private:
     void AppendPrototype(const Member& instancer, const Prototype& prototype,
                          const MovingTransform& groupFromInstancer, std::uint32_t depth,
                          GroupRecords* records) {
-        const Member* only = prototype.members.size() == 1 && prototype.members[0].leaf != nullptr
-                                 ? &prototype.members[0]
-                                 : nullptr;
+        const Member* only = prototype.OnlyLeaf();
         Member group;
         LeafObject groupObject;
         std::uint64_t groupLeaves = 1;
@@ -298,7 +316,8 @@ private:
             return known->second.first;
         }
         _result.depth = std::max(_result.depth, depth);
-        GroupRecords records(_shutter);
+        const bool isChunked = IsChunked(&prototype);
+        GroupRecords records(_shutter, !isChunked);
         for (const Member& member : prototype.members) {
             AppendMember(member, glm::dmat4(1.0), depth, &records);
         }
@@ -309,8 +328,8 @@ private:
         const auto index = static_cast<std::uint32_t>(_result.groups.size());
         _result.groups.emplace_back();
         *numLeaves = records.NumLeaves();
-        FinishGroup(std::move(records), index, &group.bounds);
-        group.object = _firstGroup + index - 1;
+        Finish(std::move(records), isChunked, index, &group.bounds);
+        group.object = ObjectOf(index);
         _groupByPrototype[&prototype] = {group, *numLeaves};
         return group;
     }
@@ -342,6 +361,20 @@ private:
                          0, HDS_NONE});
                 }
             }
+        }
+    }
+
+    /// The number of a group among the objects.
+    std::uint32_t ObjectOf(std::uint32_t groupIndex) const {
+        return groupIndex == 0 ? 0 : _firstGroup + groupIndex - 1;
+    }
+
+    /// Makes the group of its records. \param isChunked they lie in chunks, if they can.
+    void Finish(GroupRecords records, bool isChunked, std::uint32_t groupIndex, Bounds* bounds) {
+        const bool mayBeChunked =
+            isChunked && records.NumInRuns() >= _chunking.leastInstances && !records.Moves();
+        if (!mayBeChunked || !FinishInChunks(&records, groupIndex, bounds)) {
+            FinishGroup(std::move(records), groupIndex, bounds);
         }
     }
 
@@ -380,45 +413,52 @@ private:
         }
     }
 
-    /// The same for the TLAS when its instances lie in chunks. Of single records those stay in the
-    /// table that are world instances, or so large that they would make a chunk's box large. The
-    /// table has a record more that stands in for each chunk.
-    void FinishInChunks(GroupRecords records) {
-        const std::vector<std::uint32_t> singles = records.Singles();
+    /// The same when its instances lie in chunks. Of single records those stay in the table that
+    /// are world instances, or so large that they would make a chunk's box large. The table has a
+    /// record more that stands in for each chunk. \return false: there would be too many chunks in
+    /// the scene, and nothing is done.
+    bool FinishInChunks(GroupRecords* records, std::uint32_t groupIndex, Bounds* bounds) {
+        const std::vector<std::uint32_t> singles = records->Singles();
         std::vector<Bounds> boxes(singles.size());
         tbb::parallel_for(std::size_t{0}, singles.size(),
-                          [&](std::size_t i) { boxes[i] = records.BoxOf(singles[i]); });
+                          [&](std::size_t i) { boxes[i] = records->BoxOf(singles[i]); });
         const Bounds all =
-            std::accumulate(boxes.begin(), boxes.end(), records.BoundsOfRuns(), Union);
+            std::accumulate(boxes.begin(), boxes.end(), records->BoundsOfRuns(), Union);
         const glm::vec3 largest = kLargestInChunks * (all.max - all.min);
         std::vector<std::uint32_t> inTable;
         std::vector<Bounds> topBoxes;
-        Bounds inChunks = records.BoundsOfRuns();
+        Bounds inChunks = records->BoundsOfRuns();
         for (std::size_t i = 0; i < singles.size(); ++i) {
             const bool isSmall = glm::all(glm::lessThanEqual(boxes[i].max - boxes[i].min, largest));
-            if (isSmall && !records.IsWorldInstance(singles[i])) {
+            if (isSmall && !records->IsWorldInstance(singles[i])) {
                 ExtendBounds(&inChunks, boxes[i]);
             } else {
                 inTable.push_back(singles[i]);
                 topBoxes.push_back(boxes[i]);
             }
         }
-        ChunkPlan plan = PlanInstanceChunks(records, inTable, inChunks, _chunking.chunkBytes);
+        ChunkPlan plan =
+            PlanInstanceChunks(*records, inTable, inChunks, _chunking.chunkBytes, _numToChunk);
+        if (plan.NumChunks() + _numInstanceChunks >= HDS_MAX_INSTANCE_CHUNKS) {
+            return false; // a record of the last one might have the number HDS_NONE
+        }
         topBoxes.insert(topBoxes.end(), plan.bounds.begin(), plan.bounds.end());
         std::vector<shared::HdsInstance> items(inTable.size());
-        records.Write(inTable, items.data(), nullptr);
-        for (std::uint32_t chunk = 0; chunk < plan.NumChunks(); ++chunk) {
-            items.push_back(InstanceOfChunk(chunk, records.Flags()));
+        records->Write(inTable, items.data(), nullptr);
+        for (std::size_t chunk = 0; chunk < plan.NumChunks(); ++chunk) {
+            items.push_back(InstanceOfChunk(_numInstanceChunks++, records->Flags()));
         }
-        const std::vector<std::uint32_t> placeOf = FinishTopLevel(std::move(topBoxes), items);
-        for (const GroupRecords::World& world : records.WorldRecords()) {
+        const std::vector<std::uint32_t> placeOf =
+            FinishTable(std::move(topBoxes), items, groupIndex, bounds);
+        for (const GroupRecords::World& world : records->WorldRecords()) {
             _result.worldInstances[world.worldInstance].pathIndex = world.pathOffset;
             const auto item = std::lower_bound(inTable.begin(), inTable.end(), world.record);
             _result.worldInstances[world.worldInstance].instance =
                 placeOf[static_cast<std::size_t>(item - inTable.begin())];
         }
-        _result.instanceChunks =
-            std::make_shared<InstanceChunks>(std::move(records), std::move(plan), _chunking.store);
+        _result.instanceChunks.push_back(std::make_shared<InstanceChunks>(
+            std::move(*records), std::move(plan), ObjectOf(groupIndex), _chunking.store));
+        return true;
     }
 
     /// The record that stands in for an instance chunk. \param flags of what it may hold.
@@ -427,26 +467,29 @@ private:
         for (const int diagonal : {0, 5, 10}) {
             record.objectFromParent[diagonal] = 1.0F;
         }
-        record.object = _firstGroup + static_cast<std::uint32_t>(_result.groups.size()) - 1;
+        record.object = ObjectOf(static_cast<std::uint32_t>(_result.groups.size()));
         record.flags = flags;
+        record.pathOffset[0] = record.pathOffset[1] = HDS_NONE;
         record.prim = HDS_NONE;
         record.lightBase = HDS_NONE;
         _result.groups.push_back({HDS_OBJECT_INSTANCES, 0, chunk, 1});
         return record;
     }
 
-    /// Builds the BVH of the TLAS over boxes and writes the items into the table. \return their
-    /// places.
-    std::vector<std::uint32_t> FinishTopLevel(std::vector<Bounds> boxes,
-                                              const std::vector<shared::HdsInstance>& items) {
+    /// Builds the BVH of a group over boxes and writes the items into the table, which are in the
+    /// order of pathOffset. \return their places.
+    std::vector<std::uint32_t> FinishTable(std::vector<Bounds> boxes,
+                                           const std::vector<shared::HdsInstance>& items,
+                                           std::uint32_t groupIndex, Bounds* bounds) {
         BvhOptions options;
         options.maxLeafItems = 1;
         const Bvh tree = BuildBvh(std::move(boxes), options);
         const auto first = static_cast<std::uint32_t>(_result.instances.size());
-        _result.groups[0] = {HDS_OBJECT_GROUP, static_cast<std::uint32_t>(_result.nodes.size()),
-                             first, static_cast<std::uint32_t>(items.size())};
+        _result.groups[groupIndex] = {HDS_OBJECT_GROUP,
+                                      static_cast<std::uint32_t>(_result.nodes.size()), first,
+                                      static_cast<std::uint32_t>(items.size())};
         _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
-        _result.bounds = tree.bounds;
+        *bounds = tree.bounds;
         std::vector<std::uint32_t> placeOf(items.size());
         for (const std::uint32_t item : tree.order) {
             placeOf[item] = static_cast<std::uint32_t>(_result.instances.size());
@@ -469,7 +512,10 @@ private:
     std::vector<const DrawnLeaf*> _ownLeaves;
     std::map<std::string, std::vector<Prototype>> _prototypes;
     std::map<const Prototype*, std::pair<LeafObject, std::uint64_t>> _groupByPrototype;
-    std::set<std::string> _active; ///< instancers being expanded, against cycles
+    std::set<std::string> _active;          ///< instancers being expanded, against cycles
+    std::vector<const Prototype*> _chunked; ///< groups whose records lie in chunks; null: the TLAS
+    std::uint64_t _numToChunk = 0;          ///< about so many records
+    std::uint32_t _numInstanceChunks = 0;   ///< so far
     Hierarchy _result;
 };
 

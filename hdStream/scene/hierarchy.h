@@ -50,11 +50,12 @@ struct Hierarchy {
     HugeVector<shared::HdsBvhNode> nodes;      ///< those that were there, then those of all groups
     std::vector<shared::HdsObject> groups;     ///< nodeBase into nodes, itemBase into instances
     HugeVector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
-    /// Per group, records in the order of pathOffset; of the TLAS of no use with instance chunks.
+    /// Per group, records in the order of pathOffset.
     HugeVector<std::uint32_t> instancesByPath;
-    /// Records of the TLAS that lie in chunks; null: none do. Their objects are the last groups,
-    /// HDS_OBJECT_INSTANCES, with the number among these chunks as itemBase.
-    std::shared_ptr<const InstanceChunks> instanceChunks;
+    /// Records that lie in chunks, of a group each; on no path are two of these groups. A chunk's
+    /// object, among the groups, is HDS_OBJECT_INSTANCES, with its number among all these chunks as
+    /// itemBase.
+    std::vector<std::shared_ptr<const InstanceChunks>> instanceChunks;
     std::vector<AffineRows> motionKeys; ///< of the records with HDS_INSTANCE_MOVES
     std::vector<WorldInstance> worldInstances;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
@@ -62,9 +63,9 @@ struct Hierarchy {
     Bounds bounds;               ///< of the TLAS
 };
 
-/// When records of the TLAS lie in chunks.
+/// When records of a group, or of the TLAS, lie in chunks.
 struct InstanceChunkOptions {
-    std::uint32_t leastInstances = 0;      ///< of instancers, in the TLAS; 0: never
+    std::uint32_t leastInstances = 0;      ///< of instancers, in the group; 0: never
     std::uint64_t chunkBytes = 1U << 17U;  ///< about what a chunk takes at most
     std::shared_ptr<PageStore> store = {}; ///< as of InstanceChunks
 };
@@ -77,7 +78,7 @@ struct InstanceChunkOptions {
 ///        0, the leaves' objects come between).
 /// \param links of the scene
 /// \param shutter closed: everything is at rest where the frame has it
-/// \param chunking of the TLAS's instances, unless some of them move
+/// \param chunking of the instances of groups of which none moves
 /// \param nodes to begin with: the groups' come behind them
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,

@@ -61,11 +61,12 @@ private:
 } // namespace
 
 ChunkPlan PlanInstanceChunks(const GroupRecords& records, const std::vector<std::uint32_t>& inTable,
-                             const Bounds& bounds, std::uint64_t chunkBytes) {
+                             const Bounds& bounds, std::uint64_t chunkBytes,
+                             std::uint64_t numOfAll) {
     const RecordBoxes boxes(records, inTable, bounds);
     // Cutting a grid makes no more than four times as many chunks as have to be.
-    const std::uint64_t least =
-        4 * std::uint64_t{boxes.NumPrimitiveGroups()} / HDS_MAX_INSTANCE_CHUNKS + 1;
+    const std::uint64_t numInChunks = std::max<std::uint64_t>(boxes.NumPrimitiveGroups(), numOfAll);
+    const std::uint64_t least = 4 * numInChunks / HDS_MAX_INSTANCE_CHUNKS + 1;
     const std::uint64_t most = std::clamp<std::uint64_t>(std::max(least, chunkBytes / kMeanBytes),
                                                          1, HDS_MAX_CHUNK_RECORDS);
     ChunkPlan plan = PlanChunks(boxes, static_cast<std::uint32_t>(most));
@@ -74,10 +75,10 @@ ChunkPlan PlanInstanceChunks(const GroupRecords& records, const std::vector<std:
     return plan;
 }
 
-InstanceChunks::InstanceChunks(GroupRecords records, ChunkPlan plan,
+InstanceChunks::InstanceChunks(GroupRecords records, ChunkPlan plan, std::uint32_t object,
                                std::shared_ptr<PageStore> store)
-    : _records(std::move(records)), _plan(std::move(plan)), _store(std::move(store)) {
-    HDS_VERIFY(_plan.NumChunks() <= HDS_MAX_INSTANCE_CHUNKS, std::to_string(_plan.NumChunks()));
+    : _records(std::move(records)), _plan(std::move(plan)), _object(object),
+      _store(std::move(store)) {
     for (const std::uint32_t count : _plan.counts) {
         HDS_VERIFY(count <= HDS_MAX_CHUNK_RECORDS, std::to_string(count));
     }
@@ -101,6 +102,7 @@ ChunkBytes InstanceChunks::Make(std::uint32_t chunk) const {
     shared::HdsPageHeader header{};
     header.triangles =
         static_cast<std::uint32_t>((sizeof(header) + nodeBytes) / HDS_POOL_UNIT_BYTES);
+    header.primIds = _object;
     header.numTriangles = count | HDS_PRIMITIVE_INSTANCES << HDS_PRIMITIVE_SHIFT;
     ChunkBytes pages;
     std::vector<std::uint8_t>& page = pages[HDS_PAGE_GEOMETRY];

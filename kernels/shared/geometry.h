@@ -11,8 +11,9 @@
 #define HDS_OBJECT_GROUP 0u    /* BVH over instances (the TLAS is group object 0) */
 #define HDS_OBJECT_TOP_TREE 1u /* top tree over chunks */
 #define HDS_OBJECT_CHUNK 2u    /* small geometry: one chunk, no top tree */
-/* One instance chunk, HDS_PRIMITIVE_INSTANCES: its records belong to the TLAS, a record of which
- * stands in for them. That record's transform is the identity and its pathOffset 0. */
+/* One instance chunk, HDS_PRIMITIVE_INSTANCES: its records belong to a group (or the TLAS), a
+ * record of which stands in for them. That record's transform is the identity. To those who look
+ * for records by their paths it comes behind all others: its pathOffset is the largest. */
 #define HDS_OBJECT_INSTANCES 3u
 
 /* In HdsObject.kind of a group whose boxes move while the shutter is open: the number of its nodes,
@@ -123,7 +124,7 @@ typedef struct {
     u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH; of instance chunks of
                       HdsInstance[], and there are neither primIds nor vertices */
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
-                    face, sub-triangle) */
+                    face, sub-triangle); of instance chunks the object of their group */
     u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES,
                          HDS_PAGE_BOXES_MOVE, HDS_PAGE_SEGMENTS_SHIFT */
     u32 numTriangles; /* bits 26..0: triangles, or primitives of another kind; 31..27: the kind */
@@ -159,7 +160,7 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
 #define HDS_PRIMITIVE_BEZIER 3u
 #define HDS_PRIMITIVE_BSPLINE 4u
 #define HDS_PRIMITIVE_CATMULL_ROM 5u
-#define HDS_PRIMITIVE_INSTANCES 6u      /* records of the TLAS: an instance chunk */
+#define HDS_PRIMITIVE_INSTANCES 6u      /* records of a group: an instance chunk */
 #define HDS_PRIMITIVE_SPLATS 7u         /* Gaussian splats (accel/splat.clh) */
 #define HDS_PRIMITIVE_BASIS 7u          /* mask of the above */
 #define HDS_PRIMITIVE_RIBBON 8u         /* a curve that is flat and faces the normals; else round */
@@ -188,8 +189,8 @@ typedef struct {
                          accel/ribbon.clh, accel/ball.clh */
     u32 triangle;     /* chunk-local triangle */
     u32 chunk;        /* HDS_NONE: no hit */
-    u32 instance;     /* leaf instance record; with HDS_FEATURE_INSTANCE_CHUNKS the TLAS's record
-                         that it lies below, or is */
+    u32 instance;     /* leaf instance record; with HDS_FEATURE_INSTANCE_CHUNKS the record that it
+                         lies below, or is: the one in an instance chunk, else the TLAS's */
     u32 pathIndex[2]; /* 64-bit identity of the leaf instance: low, high */
 } HdsHit;
 HDS_ASSERT_SIZE(HdsHit, 32);

@@ -26,6 +26,7 @@ def main() -> None:
     parser = islandRun.Parser(__doc__)
     parser.add_argument("--size", type=float, default=0.01)
     parser.add_argument("--counts", type=lambda text: [int(word) for word in text.split(",")], default=[1, 4, 26, 256])
+    parser.add_argument("--instanceChunks", default=str(1 << 16), help="as of hdstream record; 0: records in tables")
     args = parser.parse_args()
     with islandRun.Scratch(args) as folder:
         one, placed = islandRun.Stage(folder, args.size)
@@ -36,8 +37,8 @@ def main() -> None:
                 island.WriteArchipelago(stage, one, count, args.size)
                 cache = folder / f"cache-archipelago-{args.size:g}"
                 try:
-                    islandRun.Render(stage, cache, camera, args)
-                    run, figures = islandRun.Render(stage, cache, camera, args)
+                    islandRun.Render(stage, cache, camera, args, instanceChunks=args.instanceChunks)
+                    run, figures = islandRun.Render(stage, cache, camera, args, instanceChunks=args.instanceChunks)
                 except RunFailed as error:
                     table.AddFailure(f"{count} {camera}", error)
                     break

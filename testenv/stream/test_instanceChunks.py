@@ -9,18 +9,19 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
-from pxr import Usd, UsdGeom, Vt
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from stages import crowd
 from streamCase import Case
 
-_LEAST = 1  # instances of the scene's root, from which on they lie in chunks
+_LEAST = 1  # instances from which on they lie in chunks: of the group that has most
+_COPIES = {"in the root": 0, "in a group": 3}  # of the crowd, by one more level of instancing
 
 
-@pytest.fixture(scope="module")
-def Crowd(tmp_path_factory):
+@pytest.fixture(scope="module", params=_COPIES.values(), ids=_COPIES)
+def Crowd(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("crowd") / "stage.usda"
-    crowd.WriteCrowd(str(path))
+    crowd.WriteCrowd(str(path), copies=request.param)
     return Case(path).RenderResident(instanceChunks=0)
 
 
@@ -90,12 +91,21 @@ def test_few_instances_stay_in_tables(Crowd):
     dict(residency="stream", geometryMemory="10%"),
     dict(residency="stream", geometryMemory="10%", traversal="scalar"),
 ], ids=lambda settings: "-".join(settings.values()))
-def test_beside_what_moves(tmp_path, settings):
-    """Kernels know of motion, and of instances that are placed at rest."""
+@pytest.mark.parametrize("copies", _COPIES.values(), ids=_COPIES)
+def test_beside_what_moves(tmp_path, copies, settings):
+    """Kernels know of motion, and of instances that are placed at rest, perhaps in a group that moves, each with its colour."""
     path = str(tmp_path / "stage.usda")
-    crowd.WriteCrowd(path)
+    crowd.WriteCrowd(path, copies=copies)
     stage = Usd.Stage.Open(path)
-    points = UsdGeom.Mesh.Get(stage, "/World/Ball1").GetPointsAttr()
+    if copies:
+        translate = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Sea")).AddTranslateOp()
+        for time in (0.0, 1.0):
+            translate.Set((0.3 * time, 0.0, 0.1 * time), time)
+    world = "/World/Sea/Prototype" if copies else "/World"
+    colors = np.random.default_rng(3).uniform(size=(1200, 3)).astype(np.float32)
+    placed = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"{world}/Crowd"))
+    placed.CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex").Set(Vt.Vec3fArray.FromNumpy(colors))
+    points = UsdGeom.Mesh.Get(stage, f"{world}/Ball1").GetPointsAttr()
     still = np.array(points.Get())
     for time in (0.0, 1.0):
         points.Set(Vt.Vec3fArray.FromNumpy(still * np.float32(1 + 0.5 * time)), time)
@@ -104,6 +114,7 @@ def test_beside_what_moves(tmp_path, settings):
     layers, statistics = case.Render(instanceChunks=_LEAST, **settings)
     case.AssertBits(layers)
     assert statistics["geometry"]["chunks"] > case.statistics["geometry"]["chunks"]
+    assert len(np.unique(layers["primvars:displayColor"])) > 100
 
 
 def test_edits_bring_other_chunks(Crowd):

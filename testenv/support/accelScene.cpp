@@ -92,25 +92,34 @@ std::uint32_t AccelScene::AddSource(const ChunkSource& source, std::uint32_t max
     return object;
 }
 
-std::uint32_t AccelScene::AddGroup(const std::vector<AccelPlacement>& placements) {
-    const auto object = static_cast<std::uint32_t>(objects.size());
+std::uint32_t AccelScene::AddObject() {
     objects.emplace_back();
     _bounds.emplace_back();
     _numLeaves.push_back(0);
-    BuildGroup(object, MakeRecords(placements));
+    return static_cast<std::uint32_t>(objects.size()) - 1;
+}
+
+std::uint32_t AccelScene::AddGroup(const std::vector<AccelPlacement>& placements,
+                                   std::uint32_t numInChunk) {
+    const std::uint32_t object = AddObject();
+    Records made = MakeRecords(placements);
+    if (numInChunk > 0) {
+        PutInChunks(object, numInChunk, &made);
+    }
+    BuildGroup(object, made);
     return object;
 }
 
 void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements, std::uint32_t numInChunk) {
     Records made = MakeRecords(placements);
     if (numInChunk > 0) {
-        PutInChunks(numInChunk, &made);
+        PutInChunks(0, numInChunk, &made);
     }
     BuildGroup(0, made);
 }
 
-/// Moves two of three records into instance chunks, which come before the pages there are.
-void AccelScene::PutInChunks(std::uint32_t numInChunk, Records* made) {
+/// Moves two of three records into instance chunks, which come before the pages of geometry.
+void AccelScene::PutInChunks(std::uint32_t group, std::uint32_t numInChunk, Records* made) {
     Records top;
     top.numLeaves = made->numLeaves;
     std::vector<std::size_t> inChunks;
@@ -136,6 +145,7 @@ void AccelScene::PutInChunks(std::uint32_t numInChunk, Records* made) {
         shared::HdsPageHeader header{};
         const std::size_t nodeBytes = bvh.nodes.size() * sizeof(bvh.nodes[0]);
         header.triangles = static_cast<std::uint32_t>(1 + nodeBytes / HDS_POOL_UNIT_BYTES);
+        header.primIds = group;
         header.numTriangles = static_cast<std::uint32_t>(records.size()) |
                               HDS_PRIMITIVE_INSTANCES << HDS_PRIMITIVE_SHIFT;
         GeometryPage page;
@@ -146,25 +156,27 @@ void AccelScene::PutInChunks(std::uint32_t numInChunk, Records* made) {
                     records.size() * sizeof(records[0]));
         shared::HdsInstance record{};
         StoreRows(glm::dmat4(1.0), record.objectFromParent);
-        record.object = static_cast<std::uint32_t>(objects.size());
+        record.object = AddObject();
         record.flags = HDS_INSTANCE_SEEN;
+        record.pathOffset[0] = record.pathOffset[1] = HDS_NONE;
         record.prim = HDS_NONE;
         record.lightBase = HDS_NONE;
-        objects.push_back({HDS_OBJECT_INSTANCES, 0, static_cast<std::uint32_t>(chunks.size()), 1});
+        objects.back() = {HDS_OBJECT_INSTANCES, 0,
+                          numInstanceChunks + static_cast<std::uint32_t>(chunks.size()), 1};
         top.records.push_back(record);
         top.boxes.push_back(bvh.bounds);
         chunks.push_back(std::move(page));
     }
     top.closeBoxes = top.boxes;
     *made = std::move(top);
-    numInstanceChunks = static_cast<std::uint32_t>(chunks.size());
     for (shared::HdsObject& object : objects) {
         const std::uint32_t kind = object.kind & HDS_OBJECT_KIND;
         if (kind == HDS_OBJECT_TOP_TREE || kind == HDS_OBJECT_CHUNK) {
-            object.itemBase += numInstanceChunks;
+            object.itemBase += static_cast<std::uint32_t>(chunks.size());
         }
     }
-    pages.insert(pages.begin(), chunks.begin(), chunks.end());
+    pages.insert(pages.begin() + numInstanceChunks, chunks.begin(), chunks.end());
+    numInstanceChunks += static_cast<std::uint32_t>(chunks.size());
 }
 
 AccelScene::Records AccelScene::MakeRecords(const std::vector<AccelPlacement>& placements) {

@@ -36,10 +36,12 @@ public:
     std::uint32_t AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles = 12000);
     /// The same of a source of chunks.
     std::uint32_t AddSource(const ChunkSource& source, std::uint32_t maxTriangles);
-    /// A group of placements; path indices follow their order. \return its object.
-    std::uint32_t AddGroup(const std::vector<AccelPlacement>& placements);
-    /// Sets the TLAS. Call once, last. \param numInChunk two of three placements lie in instance
-    /// chunks of so many, in their order, which need not be compact; 0: all are in the table.
+    /// A group of placements; path indices follow their order. \param numInChunk two of three
+    /// placements lie in instance chunks of so many, in their order, which need not be compact; 0:
+    /// all are in the table. \return its object.
+    std::uint32_t AddGroup(const std::vector<AccelPlacement>& placements,
+                           std::uint32_t numInChunk = 0);
+    /// Sets the TLAS. Call once, last. \param numInChunk as of AddGroup.
     void SetRoot(const std::vector<AccelPlacement>& placements, std::uint32_t numInChunk = 0);
 
     std::vector<shared::HdsBvhNode> topNodes;
@@ -59,7 +61,8 @@ private:
         std::uint64_t numLeaves = 0;
     };
     Records MakeRecords(const std::vector<AccelPlacement>& placements);
-    void PutInChunks(std::uint32_t numInChunk, Records* made);
+    void PutInChunks(std::uint32_t group, std::uint32_t numInChunk, Records* made);
+    std::uint32_t AddObject();
     void AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* record);
     void BuildGroup(std::uint32_t object, const Records& made);
 

@@ -85,9 +85,18 @@ kernel void probe_stream(global const float* rays, uint count, uint isFirst, glo
 constexpr std::uint32_t kRayBlocked = 2; ///< HDS_RAY_BLOCKED
 constexpr std::uint32_t kRayWaits = 1;   ///< HDS_RAY_WAITS
 
+struct SceneKind {
+    bool hasGroups = false;
+    std::uint32_t numInChunk = 0;      ///< as of AccelScene::SetRoot
+    bool isNested = false;             ///< groups in groups
+    std::uint32_t numInGroupChunk = 0; ///< of the group of balls, as of AccelScene::AddGroup
+
+    bool HasInstanceChunks() const { return numInChunk + numInGroupChunk > 0; }
+    SceneKind InTables() const { return {hasGroups, 0, isNested, 0}; }
+};
+
 /// Overlapping bumpy balls of many small chunks, in groups and alone, half of them cut-outs.
-/// \param numInChunk as of AccelScene::SetRoot.
-AccelScene OverlappingScene(bool hasGroups, std::uint32_t numInChunk = 0) {
+AccelScene OverlappingScene(const SceneKind& kind) {
     AccelScene scene;
     const std::uint32_t ball = scene.AddMesh(BumpySphere(24), 60);
     const std::uint32_t small = scene.AddMesh(BumpySphere(6), 1000); // one chunk
@@ -100,29 +109,32 @@ AccelScene OverlappingScene(bool hasGroups, std::uint32_t numInChunk = 0) {
                               glm::scale(matrix, glm::dvec3(1.0 + 0.1 * i)),
                               HDS_INSTANCE_SEEN | (i % 2 == 0 ? HDS_INSTANCE_CUTOUT : 0U)});
     }
-    if (hasGroups) {
-        const std::uint32_t group = scene.AddGroup(placements);
+    if (kind.hasGroups) {
+        const std::uint32_t group = scene.AddGroup(placements, kind.numInGroupChunk);
         glm::dmat4 shifted(1.0);
         shifted[3].x = 0.5;
         placements = {{group, glm::dmat4(1.0)}, {group, shifted}, {ball, shifted}};
+        if (kind.isNested) {
+            const std::uint32_t pair = scene.AddGroup(placements);
+            glm::dmat4 raised(1.0);
+            raised[3].y = 0.25;
+            placements = {{pair, glm::dmat4(1.0)}, {pair, raised}, {group, shifted * raised}};
+        }
     }
-    scene.SetRoot(placements, numInChunk);
+    scene.SetRoot(placements, kind.numInChunk);
     return scene;
 }
 
 class StreamedRays : public DeviceFixture {
 protected:
-    void Check(bool isWide, bool hasGroups, std::uint32_t numInChunk = 0) {
-        const AccelScene built = OverlappingScene(hasGroups, numInChunk);
+    void Check(bool isWide, const SceneKind& kind) {
+        const AccelScene built = OverlappingScene(kind);
         const DeviceAccelScene all(device, built);
         const std::vector<ProbeRay> rays = Rays(600);
-        _hasInstanceChunks = numInChunk > 0 ? "1" : "0";
-        const ProgramDefines features = {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
-                                         {"HDS_FEATURE_INSTANCE_CHUNKS", _hasInstanceChunks}};
-        const TraversalProbe oracle(device, isWide, features);
+        const TraversalProbe oracle(device, isWide, FeaturesOf(kind));
         const auto hits = oracle.Closest(all, rays);
         const auto shadows = oracle.Occluded(all, rays);
-        const std::vector<RayState> states = Stream(built, rays, isWide, hasGroups);
+        const std::vector<RayState> states = Stream(built, rays, isWide, kind);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             EXPECT_EQ(std::memcmp(&states[i].hit, &hits[i], sizeof(hits[i])), 0) << "ray " << i;
             const RayState& shadow = states[rays.size() + i];
@@ -131,21 +143,24 @@ protected:
             EXPECT_TRUE(isBlocked || std::memcmp(&shadow.hit, &shadows[i], sizeof(hits[i])) == 0)
                 << "shadow ray " << i;
         }
-        if (numInChunk > 0) {
-            CheckTables(isWide, hasGroups, built.numInstanceChunks, rays, {hits, shadows});
+        if (kind.HasInstanceChunks()) {
+            CheckTables(isWide, kind, built.numInstanceChunks, rays, {hits, shadows});
         }
     }
 
 private:
+    static ProgramDefines FeaturesOf(const SceneKind& kind) {
+        return {{"HDS_FEATURE_GROUPS", kind.hasGroups ? "1" : "0"},
+                {"HDS_FEATURE_INSTANCE_CHUNKS", kind.HasInstanceChunks() ? "1" : "0"}};
+    }
+
     /// What was found with instance chunks equals what is found with all records in the table.
-    void CheckTables(bool isWide, bool hasGroups, std::uint32_t numInstanceChunks,
+    void CheckTables(bool isWide, const SceneKind& kind, std::uint32_t numInstanceChunks,
                      const std::vector<ProbeRay>& rays,
                      const std::array<std::vector<shared::HdsHit>, 2>& found) {
         ASSERT_GT(numInstanceChunks, 1U);
-        const DeviceAccelScene tables(device, OverlappingScene(hasGroups));
-        const TraversalProbe oracle(
-            device, isWide,
-            {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"}, {"HDS_FEATURE_INSTANCE_CHUNKS", "0"}});
+        const DeviceAccelScene tables(device, OverlappingScene(kind.InTables()));
+        const TraversalProbe oracle(device, isWide, FeaturesOf(kind.InTables()));
         const std::array<std::vector<shared::HdsHit>, 2> wanted = {oracle.Closest(tables, rays),
                                                                    oracle.Occluded(tables, rays)};
         std::size_t numInChunks = 0;
@@ -176,13 +191,12 @@ private:
     /// States of all rays as closest, then of all as shadow rays, once none waits. In each launch
     /// only few chunks are resident, others than before.
     std::vector<RayState> Stream(const AccelScene& built, std::vector<ProbeRay> rays, bool isWide,
-                                 bool hasGroups) {
-        const ProgramDefines defines = {{"HDS_TRAVERSAL_SIMD8", isWide ? "1" : "0"},
-                                        {"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
-                                        {"HDS_FEATURE_INSTANCE_CHUNKS", _hasInstanceChunks},
-                                        {"HDS_FEATURE_STREAMING", "1"},
-                                        {"HDS_FEATURE_MOTION", "0"},
-                                        {"HDS_NUM_POOLS", "1"}};
+                                 const SceneKind& kind) {
+        ProgramDefines defines = FeaturesOf(kind);
+        defines.insert({{"HDS_TRAVERSAL_SIMD8", isWide ? "1" : "0"},
+                        {"HDS_FEATURE_STREAMING", "1"},
+                        {"HDS_FEATURE_MOTION", "0"},
+                        {"HDS_NUM_POOLS", "1"}});
         const std::string text = kText;
         const Program program(device, "streamed.cl", defines, nullptr, &text);
         Kernel kernel = program.GetKernel("probe_stream");
@@ -226,37 +240,45 @@ private:
     }
 
     Buffer Zeros(std::uint64_t bytes) { return Upload(std::vector<std::uint8_t>(bytes)); }
-
-    std::string _hasInstanceChunks = "0";
 };
 
 TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalk) {
-    Check(true, false);
+    Check(true, {});
 }
 TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalk) {
-    Check(false, false);
+    Check(false, {});
 }
 TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInGroups) {
-    Check(true, true);
+    Check(true, {true});
 }
 TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInGroups) {
-    Check(false, true);
+    Check(false, {true});
 }
 TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInInstanceChunks) {
     for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
-        Check(true, false, numInChunk);
+        Check(true, {false, numInChunk});
     }
 }
 TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInInstanceChunks) {
     for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
-        Check(false, false, numInChunk);
+        Check(false, {false, numInChunk});
     }
 }
 TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInGroupsInInstanceChunks) {
-    Check(true, true, 1);
+    Check(true, {true, 1});
 }
 TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInGroupsInInstanceChunks) {
-    Check(false, true, 1);
+    Check(false, {true, 1});
+}
+TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInInstanceChunksOfGroups) {
+    for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
+        Check(true, {true, 0, true, numInChunk});
+    }
+}
+TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInInstanceChunksOfGroups) {
+    for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
+        Check(false, {true, 0, true, numInChunk});
+    }
 }
 
 } // namespace

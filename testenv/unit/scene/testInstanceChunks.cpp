@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <numeric>
 #include <random>
 #include <string>
 
@@ -64,6 +65,39 @@ SceneDescription MakeScene(unsigned seed, std::uint32_t numSingles = 1) {
     return scene;
 }
 
+/// All that by /I and by none is placed in MakeScene, in two groups, of which /Sea places the first
+/// `numPlacements` times and the second, which has half of /I's instances, twice; /world as often
+/// in records of its own. A third group places two prims in the first.
+SceneDescription MakeNested(unsigned seed, std::uint32_t numPlacements) {
+    SceneDescription scene = MakeScene(seed, 50);
+    std::vector<std::int32_t> all(numPlacements);
+    std::iota(all.begin(), all.end(), 0);
+    InstancerPrim& sea = scene.instancers["/Sea"];
+    sea.instanceTransforms.translations = std::vector<float>(3 * std::size_t{numPlacements}, 2.5F);
+    const auto place = [](Placement* placement, const char* path,
+                          std::vector<std::int32_t> instances) {
+        placement->instancerPath = path;
+        placement->instances = std::move(instances);
+    };
+    for (auto& [path, prim] : scene.geometry) {
+        if (prim.placement.instancerPath.empty()) {
+            place(&prim.placement, "/Sea", all);
+        }
+    }
+    InstancerPrim& copy = scene.instancers["/J"];
+    copy = scene.instancers["/I"];
+    place(&copy.placement, "/Sea", {1, 0});
+    scene.geometry["/c"].placement = scene.geometry["/a"].placement;
+    scene.geometry["/c"].placement.instancerPath = "/J";
+    place(&scene.instancers["/I"].placement, "/Sea", all);
+    scene.instancers["/K"].instanceTransforms.translations =
+        std::vector<float>{-0.5F, 0.0F, 0.25F, -0.5F, 0.0F, 0.25F}; // origins lie in the middle
+    place(&scene.instancers["/K"].placement, "/I", {5, 9, 11});
+    place(&scene.geometry["/d"].placement, "/K", {0, 1});
+    place(&scene.geometry["/e"].placement, "/K", {0, 1});
+    return scene;
+}
+
 Hierarchy Build(const SceneDescription& scene, std::uint32_t leastInstances,
                 const Shutter& shutter = {}) {
     std::map<std::string, LeafObject> leaves;
@@ -95,6 +129,10 @@ bool IsSame(const shared::HdsInstance& a, const shared::HdsInstance& b) {
     return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
+bool IsBefore(const shared::HdsInstance& a, const shared::HdsInstance& b) {
+    return PathOffset(a) < PathOffset(b);
+}
+
 /// All that kernels read of the hierarchy.
 void ExpectSameTables(const Hierarchy& a, const Hierarchy& b) {
     const auto areSame = [](const auto& one, const auto& other) {
@@ -107,11 +145,37 @@ void ExpectSameTables(const Hierarchy& a, const Hierarchy& b) {
     EXPECT_TRUE(areSame(a.motionKeys, b.motionKeys));
 }
 
-/// The records of a page; checks its tree.
-std::vector<shared::HdsInstance> RecordsOf(const std::vector<std::uint8_t>& page) {
+/// Of a group's records those in the table that stand in for no chunk, in the order of paths.
+std::vector<shared::HdsInstance> RecordsInTable(const Hierarchy& hierarchy, std::uint32_t group,
+                                                std::uint32_t firstGroup,
+                                                std::uint32_t* numStandIns) {
+    std::vector<shared::HdsInstance> records;
+    *numStandIns = 0;
+    const shared::HdsObject& object = hierarchy.groups[group];
+    std::uint64_t before = 0;
+    for (std::uint32_t item = 0; item < object.numItems; ++item) {
+        const shared::HdsInstance& record =
+            hierarchy.instances[hierarchy.instancesByPath[object.itemBase + item]];
+        EXPECT_LE(before, PathOffset(record));
+        before = PathOffset(record);
+        if (record.object >= firstGroup &&
+            hierarchy.groups[record.object - firstGroup + 1].kind == HDS_OBJECT_INSTANCES) {
+            EXPECT_EQ(before, ~std::uint64_t{0}) << "nobody looks for it by its path";
+            ++*numStandIns;
+        } else {
+            records.push_back(record);
+        }
+    }
+    return records;
+}
+
+/// The records of a page; checks its tree. \param group that they belong to.
+std::vector<shared::HdsInstance> RecordsOf(const std::vector<std::uint8_t>& page,
+                                           std::uint32_t group) {
     shared::HdsPageHeader header{};
     std::memcpy(&header, page.data(), sizeof(header));
     EXPECT_EQ(header.numTriangles >> HDS_PRIMITIVE_SHIFT, HDS_PRIMITIVE_INSTANCES);
+    EXPECT_EQ(header.primIds, group);
     const std::size_t recordsAt = std::size_t{header.triangles} * HDS_POOL_UNIT_BYTES;
     const std::size_t count = header.numTriangles & ((1U << HDS_PRIMITIVE_SHIFT) - 1U);
     EXPECT_EQ(recordsAt + count * sizeof(shared::HdsInstance), page.size());
@@ -145,19 +209,11 @@ TEST(InstanceChunks, HoldTheRecordsOfTheTables) {
         chunked = Build(scene, kCount - 100);
     }
     const SceneDescription other = MakeScene(2); // perhaps where the first one was
-    ASSERT_FALSE(tables.instanceChunks);
-    ASSERT_TRUE(chunked.instanceChunks);
-    const InstanceChunks& chunks = *chunked.instanceChunks;
-    std::vector<shared::HdsInstance> records;
+    ASSERT_TRUE(tables.instanceChunks.empty());
+    ASSERT_EQ(chunked.instanceChunks.size(), 1U);
+    const InstanceChunks& chunks = *chunked.instanceChunks[0];
     std::uint32_t numStandIns = 0;
-    for (const shared::HdsInstance& record : chunked.instances) {
-        const std::uint32_t group = record.object - firstGroup + 1;
-        if (record.object >= firstGroup && chunked.groups[group].kind == HDS_OBJECT_INSTANCES) {
-            ++numStandIns;
-        } else {
-            records.push_back(record);
-        }
-    }
+    std::vector<shared::HdsInstance> records = RecordsInTable(chunked, 0, firstGroup, &numStandIns);
     EXPECT_EQ(records.size(), 4U) << "world instances and what is large stay in the table";
     EXPECT_EQ(numStandIns, chunks.NumChunks());
     EXPECT_GT(chunks.NumChunks(), kCount * 80 / kChunkBytes);
@@ -166,15 +222,12 @@ TEST(InstanceChunks, HoldTheRecordsOfTheTables) {
         EXPECT_TRUE(pages[HDS_PAGE_ATTRIBUTES].empty());
         EXPECT_LE(pages[HDS_PAGE_GEOMETRY].size(), chunks.BoundBytes(chunk)[HDS_PAGE_GEOMETRY]);
         EXPECT_EQ(pages, chunks.Make(chunk)) << "the same whenever it is made";
-        const std::vector<shared::HdsInstance> held = RecordsOf(pages[HDS_PAGE_GEOMETRY]);
+        const std::vector<shared::HdsInstance> held = RecordsOf(pages[HDS_PAGE_GEOMETRY], 0);
         EXPECT_LE(held.size(), HDS_MAX_CHUNK_RECORDS);
         records.insert(records.end(), held.begin(), held.end());
     }
-    const auto isBefore = [](const shared::HdsInstance& a, const shared::HdsInstance& b) {
-        return PathOffset(a) < PathOffset(b);
-    };
-    std::sort(records.begin(), records.end(), isBefore);
-    std::sort(tables.instances.begin(), tables.instances.end(), isBefore);
+    std::sort(records.begin(), records.end(), IsBefore);
+    std::sort(tables.instances.begin(), tables.instances.end(), IsBefore);
     ASSERT_EQ(records.size(), tables.instances.size());
     EXPECT_TRUE(std::equal(records.begin(), records.end(), tables.instances.begin(), IsSame));
     EXPECT_EQ(chunked.numLeaves, tables.numLeaves);
@@ -194,10 +247,75 @@ TEST(InstanceChunks, WorldInstancesAreFoundInTheTable) {
     }
 }
 
+TEST(InstanceChunks, OfGroupsHoldTheirRecords) {
+    const SceneDescription scene = MakeNested(6, 4);
+    const std::uint32_t firstGroup = FirstGroup(scene);
+    const Hierarchy tables = Build(scene, 0);
+    const Hierarchy chunked = Build(scene, 1000);
+    ASSERT_EQ(chunked.instanceChunks.size(), 2U);
+    EXPECT_EQ(chunked.depth, tables.depth);
+    EXPECT_EQ(chunked.numLeaves, tables.numLeaves);
+    ASSERT_EQ(chunked.worldInstances.size(), 12U);
+    std::uint32_t numStandIns = 0;
+    EXPECT_EQ(RecordsInTable(chunked, 0, firstGroup, &numStandIns).size(), 12U + 4U + 2U);
+    EXPECT_EQ(numStandIns, 0U) << "the TLAS places groups that have chunks";
+    std::uint32_t number = 0; // of the chunk among all
+    std::uint32_t tablesGroup = 0;
+    std::size_t numGroups = 0;
+    for (std::uint32_t group = 1; group < chunked.groups.size(); ++group) {
+        const shared::HdsObject& object = chunked.groups[group];
+        if (object.kind == HDS_OBJECT_INSTANCES) {
+            EXPECT_EQ(object.itemBase, number++);
+            continue;
+        }
+        std::vector<shared::HdsInstance> records =
+            RecordsInTable(chunked, group, firstGroup, &numStandIns);
+        const shared::HdsObject& wanted = tables.groups[++tablesGroup];
+        if (numStandIns > 0) {
+            EXPECT_EQ(records.size(), wanted.numItems > 4000 ? 1U : 0U) << "what is large";
+            const InstanceChunks& chunks = *chunked.instanceChunks[numGroups++];
+            EXPECT_EQ(numStandIns, chunks.NumChunks());
+            for (std::uint32_t chunk = 0; chunk < chunks.NumChunks(); ++chunk) {
+                const auto held =
+                    RecordsOf(chunks.Make(chunk)[HDS_PAGE_GEOMETRY], firstGroup + group - 1);
+                records.insert(records.end(), held.begin(), held.end());
+            }
+        }
+        std::sort(records.begin(), records.end(), IsBefore);
+        ASSERT_EQ(records.size(), wanted.numItems);
+        for (std::uint32_t item = 0; item < wanted.numItems; ++item) {
+            shared::HdsInstance expected =
+                tables.instances[tables.instancesByPath[wanted.itemBase + item]];
+            if (expected.object >= firstGroup) { // groups have other numbers
+                EXPECT_GE(records[item].object, firstGroup);
+                expected.object = records[item].object;
+            }
+            EXPECT_TRUE(IsSame(records[item], expected)) << group << " " << item;
+        }
+    }
+    EXPECT_EQ(numGroups, 2U);
+    EXPECT_EQ(tablesGroup + 1, tables.groups.size());
+}
+
+TEST(InstanceChunks, OfNestedGroupsTheLargestHaveThem) {
+    const auto ownerOf = [](const Hierarchy& hierarchy) {
+        EXPECT_EQ(hierarchy.instanceChunks.size(), 1U);
+        shared::HdsPageHeader header{};
+        const ChunkBytes pages = hierarchy.instanceChunks.at(0)->Make(0);
+        std::memcpy(&header, pages[HDS_PAGE_GEOMETRY].data(), sizeof(header));
+        return header.primIds;
+    };
+    EXPECT_EQ(ownerOf(Build(MakeNested(7, 2 * kCount), 1)), 0U) << "the TLAS alone";
+    const Hierarchy few = Build(MakeNested(7, 40), 1);
+    EXPECT_EQ(few.instanceChunks.size(), 2U) << "not the TLAS, not the small group inside";
+    const Hierarchy one = Build(MakeNested(7, 40), 3 * kCount / 4);
+    EXPECT_GE(ownerOf(one), FirstGroup(MakeNested(7, 40)));
+}
+
 TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
     SceneDescription scene = MakeScene(4);
     const Hierarchy few = Build(scene, kCount);
-    EXPECT_FALSE(few.instanceChunks) << "some of them cannot be placed";
+    EXPECT_TRUE(few.instanceChunks.empty()) << "some of them cannot be placed";
     ExpectSameTables(few, Build(scene, 0)); // though boxes were not kept until that was known
     InstancerPrim& instancer = scene.instancers["/I"];
     std::vector<double> later;
@@ -210,7 +328,7 @@ TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
     }
     instancer.samples = {{0.0, instancer.instanceTransforms.Matrices()}, {1.0, std::move(later)}};
     const Hierarchy moving = Build(scene, 1, Shutter{0.0, 1.0});
-    EXPECT_FALSE(moving.instanceChunks);
+    EXPECT_TRUE(moving.instanceChunks.empty());
     EXPECT_GT(moving.motionKeys.size(), kCount);
     ExpectSameTables(moving, Build(scene, 0, Shutter{0.0, 1.0}));
 }
