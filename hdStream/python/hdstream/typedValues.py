@@ -26,3 +26,14 @@ def _As(like, value):
     if hasattr(like, "dimension"):
         return kind(*value)
     raise TypeError
+
+
+def MistypedValues(prim, time):
+    """A line for each authored value of a prim that cannot be of its attribute's type."""
+    lines = []
+    for attribute in prim.GetAuthoredAttributes():
+        try:
+            TypedValue(attribute, time)
+        except TypeError as error:
+            lines.append(f"{attribute.GetName()} {error}")
+    return lines
