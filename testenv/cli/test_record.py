@@ -163,6 +163,9 @@ token prototypes = "z" }
 @pytest.mark.parametrize("attribute", [
     "int2 resolution = (2000000000, 4)", "int2 resolution = (-4, 4)", "int2 resolution = (4, 0)", "float pixelAspectRatio = nan",
     'token aspectRatioConformPolicy = "fit"', "float4 dataWindowNDC = (nan, 0, 1, 1)", "float4 dataWindowNDC = (0, 0, inf, 1)",
+    "float resolution = 4", 'string resolution = "4 4"', "double3 resolution = (4, 4, 4)", "float[] pixelAspectRatio = [1]",
+    "asset aspectRatioConformPolicy = @x@", "float dataWindowNDC = 1", "int2 dataWindowNDC = (0, 1)",
+    'token disableDepthOfField = "no"', "float disableMotionBlur = 0.5",
 ])
 def test_render_settings_of_no_use_are_told_with_their_prim(tmp_path, attribute):
     name = attribute.split()[1]
@@ -170,6 +173,34 @@ def test_render_settings_of_no_use_are_told_with_their_prim(tmp_path, attribute)
     AssertFails(RunHere("record", stage, tmp_path / "o.exr", "-rs", "/Settings"), 2, f"/Settings: {name}: ")
     if name == "resolution":  # options win, whatever the prim says
         assert Run("record", stage, tmp_path / "o.exr", *SMALL, "-rs", "/Settings").code == 0
+
+
+def test_attributes_of_other_types_are_told_and_convertible_ones_count(tmp_path):
+    """OpenUSD hands out what a layer holds: such values were internal errors."""
+    body = SCENE.replace('def Camera "main_cam"\n{', 'def Camera "main_cam"\n{\nstring exposure = "bright"\n') + """
+def RenderSettings "Settings" {
+int2 resolution = (12, 6)
+float[] renderingColorSpace = [1]
+rel products = </Product>
+}
+def RenderProduct "Product" {
+double4 dataWindowNDC = (0, 0, 0.5, 1)
+rel orderedVars = [</Number>, </Color>]
+}
+def RenderVar "Number" {
+float sourceName = 1.5
+}
+def RenderVar "Color" {
+token sourceName = "color"
+}
+"""
+    assert "exposure" in body
+    result = Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", "--samples", "1", "-rs", "/Settings")
+    assert result.code == 0 and not result.errors, result.text
+    assert Image(tmp_path / "o.exr")[:2] == (6, 6)
+    for line in ("/main_cam: exposure cannot be a string; ignored", "/Settings: renderingColorSpace cannot be a float[]; ignored",
+                 "/Number: sourceName cannot be a float; left out"):
+        assert result.warnings.count(line) == 1, result.text
 
 
 def test_render_settings_of_the_stage_are_used(tmp_path):

@@ -32,7 +32,16 @@ def test_camera_is_found_by_name_path_or_default():
 def test_unknown_camera_is_wrong_usage(name):
     with pytest.raises(CommandError) as caught:
         FindCamera(StageOf(CAMERAS), name, None)
-    assert caught.value.exitCode == 2 and name in str(caught.value)
+    assert caught.value.exitCode == 2 and str(caught.value).endswith(f"{name}: the stage has no such camera")
+
+
+def test_a_camera_outside_of_the_mask_is_told_so():
+    layer = StageOf(CAMERAS).GetRootLayer()
+    stage = Usd.Stage.OpenMasked(layer, Usd.StagePopulationMask(["/Rig"]))
+    assert FindCamera(stage, "/Rig/Close", None)
+    for asked in (("/main_cam", None), (None, "/main_cam")):
+        with pytest.raises(CommandError, match="the stage has no such camera inside of the mask"):
+            FindCamera(stage, *asked)
 
 
 @pytest.mark.parametrize("upAxis", ["Y", "Z"])

@@ -44,6 +44,14 @@ def WarningsOf(text):
 @pytest.mark.parametrize("text, expected", [
     ('def Mesh "M" { int points = 7\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2] }',
      "/M: cannot be read"),
+    (f'def Mesh "M" {{ {TRIANGLE}\nint subdivisionScheme = 1\nfloat2 orientation = (0, 1) }}',
+     "/M: cannot be read: orientation cannot be a float2; subdivisionScheme cannot be a int"),
+    (f'def Mesh "M" {{ {TRIANGLE}\nfloat[] purpose = [1] }}', "/M: cannot be read: purpose cannot be a float[]"),
+    ('def Sphere "S" { string radius = "x" }', "/S: cannot be read: radius cannot be a string"),
+    ('def NurbsCurves "N" { point3f[] points = [(0, 0, 0), (1, 0, 0)]\nint[] curveVertexCounts = [2]\nint[] order = [2]\n'
+     'float knots = 1 }', "/N: cannot be read: knots cannot be a float"),
+    ('def PointInstancer "P" { float3[] protoIndices = [(0, 0, 1)]\npoint3f[] positions = [(0, 0, 0)]\n'
+     'rel prototypes = </P/S>\ndef Sphere "S" {} }', "/P: cannot be read: protoIndices cannot be a float3[]"),
     ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0)]\n'
      'rel prototypes = </P/S>\ndef Sphere "S" {} }', "/P: point instancer not drawn: 2 protoIndices but 1 positions"),
     ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </None> }',

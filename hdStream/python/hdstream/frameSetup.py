@@ -122,6 +122,8 @@ class Framing:
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
         resolution = self._renderSettings.resolution
         width, height = self._width, self._height
+        if width is None and height is None and self._renderSettings.resolutionProblem:
+            raise UsageError(self._renderSettings.resolutionProblem)
         isOfPrim = width is None and height is None and bool(resolution)
         if isOfPrim:
             width, height = resolution

@@ -23,14 +23,19 @@ def FindCamera(stage, camera, settingsCamera):
     if camera:
         prim = _FindByNameOrPath(stage, str(camera))
         if prim is None:
-            raise UsageError(f"--camera {camera}: the stage has no such camera")
+            raise UsageError(f"--camera {camera}: {_NoSuchCamera(stage)}")
         return prim
     if settingsCamera:
         prim = _FindByNameOrPath(stage, str(settingsCamera))
         if prim is None:
-            raise UsageError(f"camera {settingsCamera} of the render settings: the stage has no such camera")
+            raise UsageError(f"camera {settingsCamera} of the render settings: {_NoSuchCamera(stage)}")
         return prim
     return _FindByNameOrPath(stage, UsdUtils.GetPrimaryCameraName())
+
+
+def _NoSuchCamera(stage):
+    isWhole = stage.GetPopulationMask() == Usd.StagePopulationMask.All()
+    return "the stage has no such camera" + ("" if isWhole else " inside of the mask")
 
 
 def _FindByNameOrPath(stage, text):

@@ -14,6 +14,7 @@ from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 from hdstream.options import PURPOSES
+from hdstream.typedValues import TypedValue
 
 NAMESPACE = "hdstream:"
 # Settings that judge what an attribute of UsdRenderSettingsBase says; of `resolution` the options may say something else.
@@ -27,6 +28,7 @@ class RenderSettings:
         self.path = ""
         self.camera = None
         self.resolution = None
+        self.resolutionProblem = ""  # of the prim that it would be of
         self.pixelAspectRatio = None
         self.conformPolicy = None
         self.dataWindowNDC = None  # (left, bottom, right, top) of the resolution, y up
@@ -112,8 +114,10 @@ def TargetsOf(prim, name, session):
 def _ReadCommon(prim, settings, session):
     """UsdRenderSettingsBase: only authored values, so that a product overrides its settings."""
     def Authored(name):
-        attribute = prim.GetAttribute(name)
-        value = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+        try:
+            value = TypedValue(prim.GetAttribute(name))
+        except TypeError as error:
+            raise UsageError(f"{prim.GetPath()}: {name}: {error}") from None
         if value is not None:
             _Check(prim, name, value)
         return value
@@ -121,7 +125,12 @@ def _ReadCommon(prim, settings, session):
     targets = TargetsOf(prim, "camera", session)
     if targets:
         settings.camera = targets[0]
-    settings.resolution = Authored("resolution") or settings.resolution
+    try:
+        resolution = TypedValue(prim.GetAttribute("resolution"))
+        if resolution:
+            settings.resolution, settings.resolutionProblem = resolution, ""
+    except TypeError as error:  # counts where no option says the size
+        settings.resolutionProblem = f"{prim.GetPath()}: resolution: {error}"
     settings.pixelAspectRatio = Authored("pixelAspectRatio") or settings.pixelAspectRatio
     settings.conformPolicy = Authored("aspectRatioConformPolicy") or settings.conformPolicy
     settings.dataWindowNDC = Authored("dataWindowNDC") or settings.dataWindowNDC
@@ -158,7 +167,11 @@ def _ReadVars(stage, product, settings, session):
 def AovOfVar(var, path, session):
     """The AOV that a render var (an invalid prim: none) shows; None, and a warning, for what is none of ours."""
     isVar = var and var.IsA(UsdRender.Var)
-    source = var.GetAttribute("sourceName").Get() if isVar else None
+    try:
+        source = TypedValue(var.GetAttribute("sourceName")) if isVar else None
+    except TypeError as error:
+        session.Warn(str(path), f"sourceName {error}; left out")
+        return None
     if not source:
         session.Warn(str(path), f"{'render var has no sourceName' if isVar else 'is no render var'}; left out")
         return None
@@ -202,8 +215,11 @@ def _ReadPurposes(prim, settings, session):
 
 def _ReadColorSpace(prim, settings, session):
     """renderingColorSpace: the working space of all shading; hdstream:workingSpace precedes it."""
-    attribute = prim.GetAttribute("renderingColorSpace")
-    space = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+    try:
+        space = TypedValue(prim.GetAttribute("renderingColorSpace"))
+    except TypeError as error:
+        session.Warn(prim.GetPath().pathString, f"renderingColorSpace {error}; ignored")
+        return
     if not space:
         return
     if _core.IsWorkingSpace(space):

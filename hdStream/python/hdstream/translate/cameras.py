@@ -6,6 +6,7 @@ from pxr import Gf, UsdGeom
 
 from hdstream import _core
 from hdstream.translate.motion import ReadShutter
+from hdstream.typedValues import TypedValue
 
 
 # GfCamera's apertures and focal lengths are in tenths of a scene unit; Hydra multiplies as floats.
@@ -45,7 +46,11 @@ def ReadCamera(prim, timeCode, motion=None, warn=lambda prim, text: None):
     projection = prim.GetAttribute("projection").Get(timeCode)
     if projection not in (None, "perspective", "orthographic"):
         warn(prim, f"projection {projection} is unknown; perspective is used")
-    exposure = prim.GetAttribute("exposure").Get(timeCode)
+    try:
+        exposure = TypedValue(prim.GetAttribute("exposure"), timeCode)
+    except TypeError as error:
+        warn(prim, f"exposure {error}; ignored")
+        exposure = None
     camera = CameraFromGf(usdCamera.GetCamera(timeCode), _core.LinearExposureScale(exposure or 0.0, attributes))
     camera.shutter = ReadShutter(prim, timeCode)
     for text in _core.SetCameraAttributes(attributes, camera):

@@ -24,6 +24,7 @@ from hdstream.translate.passCollections import PassCollections
 from hdstream.translate.primState import PREDICATE, SKEL_BINDINGS, Context, State
 from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import ReasonAtRest, Skins
+from hdstream.typedValues import MistypedValues
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("ParticleField",)
@@ -137,8 +138,8 @@ class StageTranslator:
             prim, inherited = stack.pop()
             try:
                 state = self._Visit(prim, inherited, context)
-            except (Tf.ErrorException, TypeError, ValueError) as error:
-                self._reports.Warn(prim, f"cannot be read: {'; '.join(MessagesOf(error))}")
+            except (Tf.ErrorException, TypeError, ValueError, IndexError) as error:
+                self._reports.Warn(prim, f"cannot be read: {'; '.join(self._CausesOf(error, prim))}")
                 state = inherited
             if state is not None:
                 children = prim.GetFilteredChildren(context.predicate)
@@ -149,6 +150,17 @@ class StageTranslator:
                 self._instancers.AddGroup(group, context)
         for group in context.standInGroups.values():
             self._drawModes.AddGroup(group, context)
+
+    def _CausesOf(self, error, prim):
+        """Why a prim cannot be read. What bindings and numpy say comes from values of types that schemas do not have."""
+        isIndex = isinstance(error, IndexError)
+        if isIndex or "incompatible function arguments" in str(error):
+            mistyped = MistypedValues(prim, self._timeCode)
+            if mistyped:
+                return mistyped
+            if isIndex:
+                raise error  # a mistake of ours
+        return MessagesOf(error)
 
     def _Visit(self, prim, inherited, context):
         """Translates a prim; returns the state of its children, None when they are not visited."""
