@@ -10,7 +10,7 @@ namespace hds {
 /// PoCL, whose platform has this name: on it the whole suite runs.
 inline constexpr const char* kPoclPlatform = "Portable Computing Language";
 
-/// Whether a device comes before another one: GPUs before CPUs, among each PoCL's first, then by
+/// Whether a device comes before another one: GPUs before CPUs, among CPUs PoCL's first, then by
 /// the names of platforms and their devices' versions. The devices of one platform that are of a
 /// kind stay as the driver has them.
 bool ComesBefore(const DeviceProperties& a, const DeviceProperties& b);
