@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/device.h"
 
+#include "hdStream/device/deviceOrder.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/openclHandles.h"
 #include "hdStream/device/poclCache.h"
@@ -65,8 +66,6 @@ struct FoundDevice {
 
 namespace {
 
-constexpr const char* kPocl = "Portable Computing Language"; ///< the platform's name
-
 std::string DeviceString(cl_device_id device, cl_device_info key) {
     std::size_t bytes = 0;
     if (clGetDeviceInfo(device, key, 0, nullptr, &bytes) != CL_SUCCESS || bytes == 0) {
@@ -130,10 +129,13 @@ std::vector<FoundDevice> FindDevices() {
                 properties.isCpu &&
                 (DeviceValue<cl_device_svm_capabilities>(device, CL_DEVICE_SVM_CAPABILITIES) &
                  CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
-            properties.hasSlowBinaries = properties.platform == kPocl;
+            properties.hasSlowBinaries = properties.platform == kPoclPlatform;
             found.push_back({platform, device, properties});
         }
     }
+    std::stable_sort(found.begin(), found.end(), [](const FoundDevice& a, const FoundDevice& b) {
+        return ComesBefore(a.properties, b.properties);
+    });
     return found;
 }
 
@@ -203,7 +205,7 @@ Device::~Device() {
         clReleaseCommandQueue(_handles->queue);
     }
     if (_handles->context != nullptr) {
-        if (_properties.platform == kPocl) {
+        if (_properties.platform == kPoclPlatform) {
             AwaitLastUser(_handles->context);
         }
         clReleaseContext(_handles->context);

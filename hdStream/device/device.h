@@ -31,7 +31,7 @@ struct DeviceProperties {
     bool hasSlowBinaries = false;
 };
 
-/// All devices of all platforms, in the order of the ICD loader. Never throws.
+/// All devices of all platforms, in our order (deviceOrder.h). Never throws.
 std::vector<DeviceProperties> ListDeviceProperties();
 
 /// The device that Device::Create takes by that name. \throws Error as it.

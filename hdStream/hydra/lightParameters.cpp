@@ -4,6 +4,7 @@
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/assets.h"
 #include "hdStream/hydra/materialParameters.h"
+#include "hdStream/hydra/renderParam.h"
 
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/imaging/hd/collectionsSchema.h>
@@ -140,6 +141,13 @@ std::string ReadGroup(const Reader& reader) {
     return {};
 }
 
+/// Whether a gprim, or a volume, says that it is a light.
+bool IsLight(const Reader& reader) {
+    bool isLight = false;
+    reader.Read(HdTokens->isLight, &isLight);
+    return isLight;
+}
+
 /// Whether a light's collection is not the one that holds everything.
 bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& collection) {
     const Reader reader(delegate, id);
@@ -241,9 +249,7 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
 std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
                                                             const SdfPath& id) {
     const Reader reader(delegate, id);
-    bool isLight = false;
-    reader.Read(HdTokens->isLight, &isLight);
-    if (!isLight) {
+    if (!IsLight(reader)) {
         return nullptr;
     }
     auto light = std::make_shared<hds::MeshLight>();
@@ -256,6 +262,13 @@ std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* del
                               : mode == "independent" ? hds::MaterialSyncMode::Independent
                                                       : hds::MaterialSyncMode::NoMaterialResponse;
     return light;
+}
+
+void HdStreamWarnOfNoLight(HdSceneDelegate* delegate, const SdfPath& id,
+                           const std::string& scenePath, HdStreamRenderParam* param) {
+    if (IsLight(Reader(delegate, id))) {
+        param->Warn(SdfPath(scenePath), "LightAPI makes lights of what has faces; no light");
+    }
 }
 
 std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,

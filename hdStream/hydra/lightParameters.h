@@ -14,6 +14,8 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+class HdStreamRenderParam;
+
 /// A parameter of a light under Hydra's name, else under the attribute's, which begins with
 /// "inputs:": some scene delegates (Blender's) know a few parameters by the latter alone. Empty:
 /// there is none. All reading of light parameters goes through here.
@@ -37,6 +39,10 @@ hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& 
 /// What makes a mesh a light; null: it is none.
 std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
                                                             const SdfPath& id);
+
+/// Says of a prim without faces that it is no light, where the scene says that it is.
+void HdStreamWarnOfNoLight(HdSceneDelegate* delegate, const SdfPath& id,
+                           const std::string& scenePath, HdStreamRenderParam* param);
 
 /// The prims that filter a light.
 SdfPathVector HdStreamFiltersOf(HdSceneDelegate* delegate, const SdfPath& id);

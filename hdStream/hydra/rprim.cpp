@@ -4,6 +4,7 @@
 #include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/lightParameters.h"
 #include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
@@ -109,6 +110,14 @@ void HdStreamRprim<Base>::SyncCommonLook(HdSceneDelegate* delegate, HdStreamRend
     }
     _prim.purpose = HdStreamPurpose(HdRprim::GetRenderTag());
     _prim.primId = this->GetPrimId();
+}
+
+template <typename Base>
+void HdStreamRprim<Base>::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                   HdDirtyBits bits) {
+    if (bits & HdChangeTracker::DirtyMaterialId) {
+        HdStreamWarnOfNoLight(delegate, this->GetId(), _scenePath, param);
+    }
 }
 
 template <typename Base>

@@ -41,8 +41,9 @@ protected:
     void _InitRepr(const TfToken& reprToken, HdDirtyBits* dirtyBits) final;
 
     // --- What a kind adds. ---
-    /// Pulls what only this kind has, apart from geometry.
-    virtual void SyncLook(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits) {}
+    /// Pulls what only this kind has, apart from geometry. Those without faces have nothing here,
+    /// and warn where the scene says that they are lights.
+    virtual void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     /// Pulls the geometry apart from primvars.
     virtual void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                               HdDirtyBits bits, hds::GeometryDescription* geometry) = 0;

@@ -4,6 +4,7 @@
 #include "hdStream/hydra/assets.h"
 #include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/lightParameters.h"
 #include "hdStream/hydra/renderParam.h"
 
 #include <pxr/imaging/hd/changeTracker.h>
@@ -95,6 +96,7 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
+        HdStreamWarnOfNoLight(delegate, id, _scenePath, param);
     }
     if (bits & HdChangeTracker::DirtyVolumeField) {
         SyncFields(delegate, param);

@@ -28,6 +28,12 @@ constexpr std::uint32_t kGuideCells = HDS_GUIDE_PLACES * HDS_GUIDE_ROWS * HDS_GU
 /// the reading of its counters cost what some hundred rays do.
 constexpr std::uint32_t kCompanyPart = 16;
 
+/// Batches of fewer rays are traced and shaded without a wait in between, which takes as long as
+/// tracing some hundred rays. Nobody needs to know which of the two took how long.
+constexpr std::uint32_t kBriefBatch = 2048;
+
+static_assert(HDS_COUNTER_SHADOW == HDS_COUNTER_ACTIVE + 1, "both are cleared at once");
+
 } // namespace
 
 WaveTracer::WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers,
@@ -86,24 +92,64 @@ bool WaveTracer::Trace(std::uint32_t numPaths, const Generate& generate, const S
     if (_hasLists) {
         return TraceWithLists(numPaths, generate, shade, isCancelled);
     }
+    ClearBounce(); // takes no command while nothing is queued
     generate(0, numPaths, _queues.Queue(_present), 0);
     return TraceInStep(numPaths, shade, isCancelled);
 }
 
+/// Of what shading sends on.
+void WaveTracer::ClearBounce() {
+    _queues.ClearCounter(HDS_COUNTER_ACTIVE, 2);
+}
+
 /// Traces the paths of queue _present, bounce by bounce, until all have ended.
+/// Precondition: ClearBounce.
 bool WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
                              const IsCancelled& isCancelled) {
     std::uint32_t numShadows = 0;
+    bool isCleared = true;
     while (active + numShadows > 0) {
         if (isCancelled && isCancelled()) {
             return false;
         }
-        TraceNextBatch(active, numShadows);
-        const Counts counts = ShadeNext(active, shade);
+        Counts counts{};
+        if (IsBrief(active + numShadows)) {
+            if (!isCleared) {
+                ClearBounce();
+            }
+            counts = TraceAndShade(active, numShadows, shade);
+        } else {
+            TraceNextBatch(active, numShadows);
+            counts = ShadeNext(active, shade);
+        }
+        isCleared = false;
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
     }
     return true;
+}
+
+/// Whether a batch may be shaded before anybody looks at what tracing it has found.
+bool WaveTracer::IsBrief(std::uint32_t numRays) const {
+    return numRays < kBriefBatch && !_hasCutouts && !PassesShadowsAtOnce(_kernels->Features()) &&
+           !_buffers->IsStreaming();
+}
+
+/// TraceNextBatch and ShadeNext with one wait. Precondition: ClearBounce.
+WaveTracer::Counts WaveTracer::TraceAndShade(std::uint32_t active, std::uint32_t numShadows,
+                                             const Shade& shade) {
+    const Timer timer;
+    const double requestSeconds = RequestSeconds();
+    _statistics->shadowRays += numShadows;
+    _launches->TraceBatch(_present, active, WaveQueues::kShadowQueue, numShadows);
+    if (active > 0) {
+        ShadeItems(_queues.Queue(_present), active, _queues.Queue(1 - _present), shade);
+    }
+    const Counts counts = _queues.ReadCounters();
+    _present = 1 - _present;
+    _statistics->indirectRays += counts[HDS_COUNTER_ACTIVE];
+    _statistics->traceSeconds += timer.Seconds() - (RequestSeconds() - requestSeconds);
+    return counts;
 }
 
 /// Traces paths [0, numPaths), which are not in step: when few go on, new ones or, after a round

@@ -82,7 +82,10 @@ public:
 
 private:
     double RequestSeconds() const;
+    void ClearBounce();
     bool TraceInStep(std::uint32_t active, const Shade& shade, const IsCancelled& isCancelled);
+    bool IsBrief(std::uint32_t numRays) const;
+    Counts TraceAndShade(std::uint32_t active, std::uint32_t numShadows, const Shade& shade);
     bool TraceWithLists(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
                         const IsCancelled& isCancelled);
     bool HasSlotsFor(const Counts& counts, std::uint32_t numBegun) const;

@@ -88,8 +88,7 @@ struct RenderThread::Impl {
                 watch);
             isDone = result == RenderResult::Complete;
             if (isDone) {
-                last = publisher.MakeImage(true);
-                last->isFinal = true;
+                last = publisher.MakeLastImage();
             }
         } catch (const std::exception& error) {
             last = std::make_shared<FilmImage>();
@@ -112,7 +111,10 @@ struct RenderThread::Impl {
     public:
         Publisher(Impl* impl, std::uint64_t version, const Settings& settings)
             : _impl(impl), _version(version), _isInteractive(settings.interactive),
-              _pacing(PassSeconds(settings.interactive, settings.passSeconds)) {}
+              _pacing(PassSeconds(settings.interactive, settings.passSeconds)) {
+            const std::lock_guard<std::mutex> lock(impl->mutex);
+            _statisticsBefore = impl->status ? impl->status->statistics : "";
+        }
 
         /// The progress callback; waits while paused. \return false when the render is to end.
         bool Report(const Progress& progress) {
@@ -135,14 +137,17 @@ struct RenderThread::Impl {
         /// Inside a wave; does not wait while paused.
         bool IsCancelled() const { return !_impl->IsWanted(_version) && !OwesPicture(); }
 
-        std::shared_ptr<FilmImage> MakeImage(bool withFirstHits) {
+        std::shared_ptr<FilmImage> MakeLastImage() { return MakeImage(true, true); }
+
+    private:
+        std::shared_ptr<FilmImage> MakeImage(bool withFirstHits, bool isFinal) {
             auto image = std::make_shared<FilmImage>();
             image->layers = _impl->session.Layers(withFirstHits);
+            image->isFinal = isFinal;
             Fill(image.get());
             return image;
         }
 
-    private:
         /// A render that has a film and that someone looks at ends with its first picture at the
         /// earliest, outdated as it is: edits that follow each other faster than that would freeze
         /// the view.
@@ -155,7 +160,7 @@ struct RenderThread::Impl {
         /// (RenderWatch); with them pictures are denoised.
         void PublishImage() {
             const double begin = _timer.Seconds();
-            auto image = MakeImage(_progress.previewStride == 1);
+            auto image = MakeImage(_progress.previewStride == 1, false);
             const double end = _timer.Seconds();
             _pacing.Made(begin, end, _progress.previewStride);
             _nextStatus = end + kStatusInterval;
@@ -178,7 +183,12 @@ struct RenderThread::Impl {
         void Fill(RenderStatus* status) const {
             status->version = _version;
             status->progress = _progress;
-            status->statistics = _impl->session.HasImage() ? _impl->session.Statistics() : "";
+            // Who edits waits for the first pictures, which follow each other fast.
+            const bool isSoon =
+                _isInteractive && !status->isFinal && _timer.Seconds() < kStatusInterval;
+            status->statistics = isSoon && !_statisticsBefore.empty() ? _statisticsBefore
+                                 : _impl->session.HasImage()          ? _impl->session.Statistics()
+                                                                      : "";
         }
 
         Impl* _impl;
@@ -186,6 +196,7 @@ struct RenderThread::Impl {
         bool _isInteractive;
         PicturePacing _pacing;
         Timer _timer;
+        std::string _statisticsBefore; ///< of the render before; empty: there was none
         Progress _progress;
         double _nextStatus = 0.0;
     };

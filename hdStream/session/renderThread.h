@@ -17,7 +17,7 @@ namespace hds {
 struct RenderStatus {
     std::uint64_t version = 0; ///< of the edits that are rendered; see RenderThread::Version
     Progress progress;
-    /// JSON text (docs/statistics.md); while a scene is prepared that of the render before, or "".
+    /// JSON text (docs/statistics.md); soon after an edit that of the render before, or "".
     std::string statistics;
     bool isFinal = false; ///< nothing better will come for this version
     std::string error;    ///< not empty: rendering failed

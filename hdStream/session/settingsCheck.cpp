@@ -78,6 +78,9 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     RenderOptions options;
     options.camera = camera;
     MendCamera(&options.camera); // Session::Render says what is wrong
+    options.camera.exposureScale =
+        std::min(options.camera.exposureScale * static_cast<float>(std::exp2(settings.exposure)),
+                 std::numeric_limits<float>::max());
     if (settings.motionBlur == "on" && camera.shutter.IsOpen()) {
         options.shutter = camera.shutter;
     }

@@ -27,6 +27,7 @@ constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxError = 1e6;
 constexpr double kMaxFilterWidth = 64.0;
 constexpr double kMaxMipBias = 16.0;
+constexpr double kMaxStops = 32.0;
 constexpr double kMaxShadeIterations = 64.0;
 constexpr double kMaxPixelAspect = 1000.0;
 /// Path depths are kept in 16 bits together with their sampling dimensions.

@@ -38,8 +38,6 @@ class _Found:
             self._Add("motion blur is not drawn: Blender hands over one moment", "")
         if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
             self._Add("pixels that are not square are drawn as square ones", "")
-        if getattr(getattr(scene, "cycles", None), "film_exposure", 1.0) != 1.0:
-            self._Add("Cycles' exposure of the film does not count: that of Color Management does", "")
         if scene.world is not None and scene.world.use_nodes:
             self._AddWorld(scene.world)
 

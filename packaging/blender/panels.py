@@ -76,6 +76,8 @@ class STREAM_RENDER_PT_film(_Panel, bpy.types.Panel):
     def draw(self, context):
         self.layout.use_property_split = True
         self.layout.prop(context.scene.render, "film_transparent", text="Transparent")
+        if hasattr(context.scene, "cycles"):
+            self.layout.prop(context.scene.cycles, "film_exposure", text="Exposure")
 
 
 class STREAM_RENDER_PT_export(_Panel, bpy.types.Panel):

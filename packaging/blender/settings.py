@@ -2,13 +2,14 @@
 """Scene properties made from the core's table of settings: names, defaults, limits and tooltips are the table's."""
 
 import json
+import math
 import pathlib
 
 import bpy
 
 TABLE = json.loads((pathlib.Path(__file__).absolute().parent / "settings.json").read_text(encoding="utf-8"))
-# Blender decides these: Film > Transparent, and a camera that sees no lamp.
-BLENDERS = frozenset({"opaqueBackground", "lightsVisible"})
+# Blender decides these: Film > Transparent, Film > Exposure, and a camera that sees no lamp.
+BLENDERS = frozenset({"opaqueBackground", "exposure", "lightsVisible"})
 ROWS = tuple(row for row in TABLE if row["name"] not in BLENDERS)
 # What may change the picture may differ between viewport and final render; the rest is of the machine.
 PICTURE_GROUPS = ("Quality", "Picture")
@@ -72,7 +73,15 @@ def Values(scene, isViewport):
     values["opaqueBackground"] = isOpaque
     values["domeVisible"] = values["domeVisible"] and isOpaque
     values["lightsVisible"] = False
+    values["exposure"] = _FilmStops(scene)
     return values
+
+
+def _FilmStops(scene):
+    """Cycles' exposure of the film, a factor that may be 0. Blender without Cycles has none."""
+    least = next(row["minimum"] for row in TABLE if row["name"] == "exposure")
+    factor = getattr(getattr(scene, "cycles", None), "film_exposure", 1.0)
+    return max(math.log2(factor), least) if factor > 0.0 else least
 
 
 _CLASSES = (StreamPictureSettings, StreamMachineSettings, StreamSceneSettings, StreamViewLayerSettings)

@@ -102,9 +102,13 @@ def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"])
     assert texture["bytesSource"] == 8 * 4 * texture["channels"]
 
 
-def test_devices_lists_one():
+def test_devices_marks_the_one_that_renders():
+    from hdstream import _core
+
     result = Run("devices")
     assert result.code == 0 and "compute units" in result.out
+    lines = [line for line in result.out.splitlines() if line.endswith(" (default)")]
+    assert lines == [f"{_core.FindDevice('').name} (default)"]
 
 
 def test_cache_is_shown_and_cleared(tmp_path):

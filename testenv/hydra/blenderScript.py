@@ -189,6 +189,22 @@ def Film():
     return found
 
 
+def Exposure():
+    """Of the film of Cycles: the means of ours over Cycles', of the picture and of the background."""
+    found = {}
+    for factor in (3.0, 0.25, 0.0):
+        scene = Scene(samples=64)
+        scene.cycles.film_exposure = factor
+        wanted, _ = Render(scene, "CYCLES")
+        ours, errors = Render(scene, "HYDRA_STREAM")
+        first, second = Luminance(ours), Luminance(wanted)
+        found[str(factor)] = {"errors": errors, "alpha": float(ours["Combined.A"].min()), "brightest": float(first.max()),
+                              "wanted": float(second.max())}
+        if factor > 0.0:
+            found[str(factor)] |= {"ratio": float(first.mean() / second.mean()), "background": float(first[0, 0] / second[0, 0])}
+    return found
+
+
 def Lamp():
     """The brightest pixel of a picture with a lamp in the camera's view, ours over Cycles'."""
     scene = Scene(samples=64, world=(0.0, 0.0, 0.0, 1.0))
@@ -322,7 +338,7 @@ def LeftOut():
     blend.data_type, blend.blend_type = "RGBA", "MULTIPLY"
     material.node_tree.links.new(volume.outputs[0], material.node_tree.nodes["Material Output"].inputs["Volume"])
     material.node_tree.links.new(blend.outputs[2], material.node_tree.nodes["Principled BSDF"].inputs["Emission Color"])
-    scene.render.use_motion_blur, scene.camera.data.type, scene.cycles.film_exposure = True, "PANO", 2.0
+    scene.render.use_motion_blur, scene.camera.data.type = True, "PANO"
     sky = scene.world.node_tree.nodes.new("ShaderNodeTexSky")
     scene.world.node_tree.links.new(sky.outputs[0], scene.world.node_tree.nodes["Background"].inputs["Color"])
     light = next(item for item in scene.objects if item.type == "LIGHT").data
@@ -372,7 +388,7 @@ def Panels():
 
 def main():
     scenarios = {function.__name__: function for function in
-                 (Passes, Framing, Film, Lamp, Status, Cancel, Messages, LeftOut, Settings, Life, Panels)}
+                 (Passes, Framing, Film, Exposure, Lamp, Status, Cancel, Messages, LeftOut, Settings, Life, Panels)}
     extension.register()
     for name in sys.argv[3:] or scenarios:
         found = scenarios[name]()

@@ -86,6 +86,16 @@ def test_background_has_alpha_one_unless_the_film_is_transparent(found):
     assert film["True"]["alphaOfBall"] == 1.0
 
 
+def test_exposure_of_the_film_is_cycles(found):
+    """Also of the background, and with a film that takes in nothing. Alpha has no exposure."""
+    for factor, exposure in found("Exposure").items():
+        assert exposure["errors"] == "" and exposure["alpha"] == 1.0, factor
+        if float(factor) == 0.0:
+            assert exposure["brightest"] < 1e-6 and exposure["wanted"] == 0.0
+        else:
+            assert abs(exposure["ratio"] - 1.0) < 0.02 and abs(exposure["background"] - 1.0) < 0.005, (factor, exposure)
+
+
 def test_the_camera_sees_no_lamp(found):
     assert found("Lamp")["brightest"] < 1.5  # the lamp itself is many times as bright as what it lights
 
@@ -130,7 +140,6 @@ def test_what_does_not_come_is_told_in_one_line_a_kind(found):
         "Blender does not hand over nodes of lights: Area",
         "Blender does not hand over the spread of area lights: Area",
         "Blender hands over all blends of colours as Mix: Rock 0",
-        "Cycles' exposure of the film does not count: that of Color Management does",
         "a panoramic camera is drawn as perspective: Camera",
         "holdouts and shadow catchers are drawn as other objects: Cube",
         "motion blur is not drawn: Blender hands over one moment",

@@ -59,6 +59,16 @@ def _WriteStage(path):
         author.Place(place, translate=(x, 0.9, -0.8))
         place.GetPrim().GetReferences().AddInternalReference("/World/Shared")
         place.GetPrim().SetInstanceable(True)
+    # Gprims that become meshes are lights, and their sizes are no inputs of them; what has no faces is none.
+    ball = UsdGeom.Sphere.Define(stage, "/World/Ball")
+    ball.CreateRadiusAttr(0.15)
+    author.Place(ball, translate=(1.4, 0.6, 0.7))
+    UsdLux.LightAPI.Apply(ball.GetPrim())
+    UsdLux.LightAPI(ball.GetPrim()).CreateIntensityAttr(3.0)
+    dots = UsdGeom.Points.Define(stage, "/World/Dots")
+    dots.CreatePointsAttr(Vt.Vec3fArray([Gf.Vec3f(-1.5, 0.3, 1.0), Gf.Vec3f(-1.6, 0.3, 0.8)]))
+    dots.CreateWidthsAttr(Vt.FloatArray([0.1, 0.1]))
+    UsdLux.LightAPI.Apply(dots.GetPrim())
     author.AddCamera(stage, eye=(0, 3, 2), target=(0, 0.3, 0), focalLength=30.0)
     stage.GetRootLayer().Save()
 
@@ -76,6 +86,9 @@ def test_edits_of_mesh_lights(mode, openUsd, plugin, isStream, tmp_path):
     run = RunProgram(openUsd.Script(_SCRIPT, tmp_path / "job.json"), openUsd.Environment(plugin, **environment))
     assert run.code == 0, run.output
     assert "/World/Lamp: links of a mesh light do not come through Hydra; ignored" in run.output
+    # Each engine says it of the points, and of nothing else.
+    said = [line for line in run.output.splitlines() if "LightAPI makes lights of what has faces" in line]
+    assert len(said) == 1 + len(_Edits()) and all("/World/Dots: " in line for line in said)
     before = "start"
     for edit in _Edits():
         difference = ComparePictures(tmp_path / f"{edit}.exr", tmp_path / f"{edit}.fresh.exr")

@@ -87,7 +87,7 @@ def test_manifest_is_one_that_blender_takes(tree):
 def test_every_setting_has_a_property_with_the_words_of_the_table(extension):
     groups = (extension.settings.StreamPictureSettings, extension.settings.StreamMachineSettings)
     properties = {name: item for group in groups for name, item in group.__annotations__.items()}
-    assert set(properties) == {row.name for row in SETTINGS} - {"opaqueBackground", "lightsVisible"}
+    assert set(properties) == {row.name for row in SETTINGS} - {"opaqueBackground", "exposure", "lightsVisible"}
     kind = _core.SettingKind
     for row in SETTINGS:
         if row.name not in properties:

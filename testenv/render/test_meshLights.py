@@ -130,6 +130,28 @@ def test_sphere_far_off_is_a_point(tmp_path):
     _Check(stage, (1000 * area / 4 * d[:, 1] / distance**3).reshape(HEIGHT, WIDTH, 1) * ALBEDO / np.pi, samples=4096, mean=0.01, block=0.02)
 
 
+def test_gprims_that_become_meshes_are_lights(tmp_path):
+    """A sphere and a cube with LightAPI, far off: their intensities times the areas that they show. The sphere's radius and the
+    cube's size are no inputs of the lights."""
+    stage = _Plate(tmp_path)
+    ball = UsdGeom.Sphere.Define(stage, "/World/Ball")
+    ball.CreateRadiusAttr(0.5)
+    author.Place(ball, translate=(0, 40, 0))
+    box = UsdGeom.Cube.Define(stage, "/World/Box")
+    box.CreateSizeAttr(0.8)
+    author.Place(box, translate=(20, 30, 0))
+    for gprim, intensity in ((ball, 700.0), (box, 300.0)):
+        UsdLux.LightAPI.Apply(gprim.GetPrim())
+        UsdLux.LightAPI(gprim.GetPrim()).CreateIntensityAttr(intensity)
+    points = _Points()
+    ofBall = np.array([0, 40.0, 0]) - points
+    ofBall = 700.0 * np.pi * 0.25 * ofBall[:, 1] / np.linalg.norm(ofBall, axis=-1)**3
+    ofBox = np.array([20.0, 30.0, 0]) - points
+    distance = np.linalg.norm(ofBox, axis=-1)
+    ofBox = 300.0 * 0.64 * (np.abs(ofBox).sum(-1) / distance) * ofBox[:, 1] / distance**3
+    _Check(stage, (ofBall + ofBox).reshape(HEIGHT, WIDTH, 1) * ALBEDO / np.pi, samples=4096, mean=0.01, block=0.02)
+
+
 def test_instances_are_lights_of_their_own(tmp_path):
     """Squares apart in one mesh, placed three times: the plate shows the sum of six rects."""
     stage = _Plate(tmp_path)

@@ -32,7 +32,7 @@ _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
 def IsLight(prim):
-    """Whether a mesh is a light: UsdLuxMeshLightAPI, or LightAPI, is applied."""
+    """Whether a gprim is a light: LightAPI is applied, which is also part of UsdLuxMeshLightAPI."""
     return "LightAPI" in prim.GetAppliedSchemas()
 
 
@@ -48,13 +48,15 @@ def ReadSyncMode(prim, warn):
 
 
 def ReadLight(prim, typeName, names, timeCode, assets, warn):
-    """The description of a light of one of LIGHT_TYPES, or of a mesh; warn(prim, message) of inputs of other types."""
+    """The description of a light of one of LIGHT_TYPES, or of a gprim with faces; warn(prim, message) of inputs of other types."""
     light = _core.LightDescription()
     light.type = _TYPES.get(typeName, _core.LightType.Mesh)
     if typeName == "DistantLight":
         light.intensity = _DISTANT_INTENSITY
     for name in names:
-        member = _Member(name[len("inputs:"):] if name.startswith("inputs:") else name)
+        if light.type == _core.LightType.Mesh and not name.startswith("inputs:"):
+            continue  # a gprim's own radius is no input of the light
+        member = _Member(name.removeprefix("inputs:"))
         if member not in _NO_INPUTS and hasattr(light, member):
             _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets, warn)
     light.group = _ReadGroup(prim, names, timeCode)

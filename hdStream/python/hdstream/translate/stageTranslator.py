@@ -322,7 +322,7 @@ class StageTranslator:
             if lights.IsLight(prim):
                 self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
-        return self._AddMesh(prim, names, mesh, state, context, mayBeLight=True)
+        return self._AddMesh(prim, names, mesh, state, context)
 
     def _WarnOfClips(self, prim):
         """Names the files of a prim's own value clips that are not there."""
@@ -399,7 +399,7 @@ class StageTranslator:
         kept = self._kept.get(context.ScenePath(prim)) if self._kept else None
         return kept.geometry if kept else None
 
-    def _AddMesh(self, prim, names, mesh, state, context, mayBeLight=False):
+    def _AddMesh(self, prim, names, mesh, state, context):
         """Adds a mesh; returns the state of what is below it, None where nothing is."""
         subsets = []
         subsetPrims = []
@@ -421,10 +421,7 @@ class StageTranslator:
             geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
-        if mayBeLight:
-            self._ReadMeshLight(prim, names, geometryPrim)
-        else:
-            self._WarnOfNoLight(prim)
+        self._ReadMeshLight(prim, names, geometryPrim)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
         self._AddToBatch(path, prim, names, geometryPrim, subsetPrims, state)
@@ -444,9 +441,9 @@ class StageTranslator:
                               lights.ReadSyncMode(prim, self._reports.Warn), self._links.Read(prim, names))
 
     def _WarnOfNoLight(self, prim):
-        """Says that LightAPI makes no light of a prim that is no mesh."""
+        """Says that LightAPI makes no light of a prim that has no faces."""
         if lights.IsLight(prim):
-            self._reports.Count(prim, f"LightAPI makes lights of meshes, and none of a {prim.GetTypeName()}: {{count}}")
+            self._reports.Count(prim, f"LightAPI makes lights of what has faces, and none of {prim.GetTypeName()}: {{count}}")
 
     def _WarnOfLight(self, prim, names):
         for feature in lights.UnsupportedFeatures(prim, names):
