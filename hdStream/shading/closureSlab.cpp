@@ -205,7 +205,7 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
                       SelectChannel(a.values[HDS_INPUT_SUBSURFACE], 2), Zero()},
                      4);
     }
-    both.layered.flags |= a.flags & HDS_MATERIAL_MEDIUM;
+    both.layered.flags |= a.flags & (HDS_MATERIAL_MEDIUM | HDS_MATERIAL_FROSTED);
     *merged = std::move(both);
     return true;
 }
