@@ -205,7 +205,7 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
                       SelectChannel(a.values[HDS_INPUT_SUBSURFACE], 2), Zero()},
                      4);
     }
-    both.layered.flags |= a.flags & HDS_MATERIAL_MEDIUM;
+    both.layered.flags |= a.flags & (HDS_MATERIAL_MEDIUM | HDS_MATERIAL_FROSTED);
     *merged = std::move(both);
     return true;
 }
@@ -339,6 +339,14 @@ bool HasPlaceFor(const LayeredMaterial& reflection, const LayeredMaterial& below
            (below.flags & HDS_MATERIAL_FUZZ) == 0;
 }
 
+/// A reflection by an index alone, which a coat is too.
+bool IsPlain(const ClosureSlab& reflection) {
+    const auto& values = reflection.layered.values;
+    return !values[HDS_INPUT_SCHLICK_EXPONENT] && !values[HDS_INPUT_FILM] &&
+           IsAll(ValueOf(reflection.layered, HDS_INPUT_SPECULAR_COLOR), 1.0F) &&
+           IsAll(reflection.factor, 1.0F);
+}
+
 /// A reflection as a coat.
 ClosureSlabs CoatOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
     if (Has(base.layered, HDS_INPUT_CLEARCOAT)) {
@@ -347,6 +355,8 @@ ClosureSlabs CoatOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarn
     }
     if (top.layered.values[HDS_INPUT_SCHLICK_EXPONENT]) {
         warn("above another reflection it has that of its index, without its colours");
+    } else if (!IsPlain(top)) {
+        warn("above another reflection it has neither a colour nor a film of its own");
     }
     SetCoat(top, &base);
     return {base};
@@ -385,14 +395,6 @@ bool ShareNormal(const ClosureSlab& top, ClosureSlab* base) {
         below = top.layered.values[HDS_INPUT_NORMAL];
     }
     return AreSame(top.layered.values[HDS_INPUT_NORMAL], below);
-}
-
-/// A reflection by an index alone, which a coat is too.
-bool IsPlain(const ClosureSlab& reflection) {
-    const auto& values = reflection.layered.values;
-    return !values[HDS_INPUT_SCHLICK_EXPONENT] && !values[HDS_INPUT_FILM] &&
-           IsAll(ValueOf(reflection.layered, HDS_INPUT_SPECULAR_COLOR), 1.0F) &&
-           IsAll(reflection.factor, 1.0F);
 }
 
 /// One slab on another. What has no place in a layered surface is left out.

@@ -78,7 +78,7 @@ public:
             layered.values[HDS_INPUT_SPECULAR_WEIGHT] = weight;
             return {slab};
         }
-        layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
+        SetTransmission(&layered);
         layered.values[HDS_INPUT_TRANSMISSION_COLOR] = tint;
         layered.values[HDS_INPUT_SPECULAR_WEIGHT] = MakeScalar(mode == "RT" ? 1.0F : 0.0F);
         slab.factor = weight;
@@ -126,7 +126,7 @@ public:
         SetFilm(node, &layered);
         if (!isReflected) {
             layered.values[HDS_INPUT_SPECULAR_WEIGHT] = MakeScalar(mode == "RT" ? 1.0F : 0.0F);
-            layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
+            SetTransmission(&layered);
             slab.factor = weight;
         }
         if (mode != "T" && !(isSchlicks && IsDielectricGrey(front) && IsAll(edge, 1.0F))) {
@@ -291,6 +291,13 @@ private:
         }
         slab.layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
         return slab;
+    }
+
+    void SetTransmission(LayeredMaterial* layered) {
+        layered->values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
+        if (_isThin) {
+            FrostThinWall(layered);
+        }
     }
 
     /// Whether the node that gives a roughness has no anisotropy.

@@ -24,9 +24,6 @@ namespace hds {
 
 namespace {
 
-/// Thin walls of more roughness are meant to be frosted: the default of the models and more.
-constexpr float kRoughestClearWall = 0.35F;
-
 /// The inputs of a model.
 class InputTable {
 public:
@@ -456,18 +453,11 @@ private:
                 MakeMath(HDS_MATH_COMBINE,
                          {_subsurface[0], _subsurface[1], _subsurface[2], _subsurface[3]}, 4));
         }
-        FinishLayered(&_result);
-        WarnOfFrostedWall();
-        return std::move(_result);
-    }
-
-    void WarnOfFrostedWall() {
-        const ShaderValue& roughness = _result.values[HDS_INPUT_ROUGHNESS];
-        const bool isThin = (_result.flags & HDS_MATERIAL_THIN_WALLED) != 0;
-        if (isThin && (_result.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
-            !(IsConstant(roughness) && ConstantOf(roughness)[0] <= kRoughestClearWall)) {
-            Warn("roughness", "a thin wall transmits straight on; none of it is spread");
+        if ((_result.flags & HDS_MATERIAL_THIN_WALLED) != 0) {
+            FrostThinWall(&_result);
         }
+        FinishLayered(&_result);
+        return std::move(_result);
     }
 
     NetworkEvaluator& _network;
@@ -550,6 +540,11 @@ void FinishLayered(LayeredMaterial* material) {
                       (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
                            ? HDS_LOBE_TRANSLUCENCY
                            : 0U);
+    constexpr std::uint32_t kFrosted = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
+    if ((material->lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+        (material->flags & kFrosted) == kFrosted) {
+        material->lobes |= HDS_LOBE_FROST;
+    }
     if (values[HDS_INPUT_HAIR] && IsAll(values[HDS_INPUT_HAIR], 1.0F)) {
         material->lobes = 0; // nothing else, whatever is chosen
     }

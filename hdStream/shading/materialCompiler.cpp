@@ -304,7 +304,8 @@ bool Varies(const shared::HdsMaterial& m, std::uint32_t input) {
 
 /// Whether a thin wall lets light through, straight on.
 bool IsThinGlass(const shared::HdsMaterial& m) {
-    return (m.flags & HDS_MATERIAL_THIN_WALLED) != 0 && (m.lobes & HDS_LOBE_TRANSMISSION) != 0;
+    return (m.flags & HDS_MATERIAL_THIN_WALLED) != 0 && (m.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+           (m.flags & HDS_MATERIAL_FROSTED) == 0;
 }
 
 /// Flags that follow from constants, slots and what the program sets.

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/surfaceFrame.h"
 
+#include "hdStream/shading/nodeWalk.h"
 #include "hdStream/shading/patternNode.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "kernels/shared/material.h"
+
+#include <algorithm>
+#include <iterator>
 
 namespace hds {
 
@@ -67,6 +71,71 @@ ShaderValue TurnsOf(NetworkEvaluator& network, const MaterialNode& node, const s
     return TurnsOfVector(network, node, input);
 }
 
+/// Whether a node gives a normal in tangent space.
+bool IsMap(const std::string& identifier) {
+    constexpr const char* kMaps[] = {"ND_normalmap", "ND_bump_", "ND_gltf_normalmap",
+                                     "ND_hextilednormalmap", "ND_flake"};
+    return std::any_of(std::begin(kMaps), std::end(kMaps),
+                       [&](const char* name) { return identifier.rfind(name, 0) == 0; });
+}
+
+/// Reads networks that blend normals in tangent space. Their nodes give what is turned where what
+/// they are given is turned, so it does not matter that MaterialX computes them in world space:
+/// all ways through them end at maps, bumps and the surface's own normal.
+class NormalBlends {
+public:
+    explicit NormalBlends(NetworkEvaluator& network) : _network(network) {}
+
+    /// Empty: another vector takes part, or another node.
+    ShaderValue Read(const MaterialNode& node, const std::string& input) {
+        const MaterialNode* source = _network.FindSource(node, input);
+        if (source == nullptr) {
+            const ShaderValue value = _network.EvaluateOr(node, input, {}, 3);
+            return node.connections.count(input) == 0 && IsAll(value, 0.0F) ? value : ShaderValue();
+        }
+        const auto read = [&] { return ReadNode(*source, node, input); };
+        return _walk.Visit(*source, read).value_or(ShaderValue());
+    }
+
+private:
+    ShaderValue ReadNode(const MaterialNode& source, const MaterialNode& node,
+                         const std::string& input) {
+        const std::string& id = source.identifier;
+        if (IsMap(id)) {
+            const ShaderValue map = _network.Evaluate(node, input);
+            return map ? MakeMath(HDS_MATH_NORMALIZE, {map}, 3) : map;
+        }
+        if (id == "ND_normal_vector3") {
+            return MakeConstant({0.0F, 0.0F, 1.0F, 0.0F}, 3);
+        }
+        if (id == "ND_normalize_vector3") {
+            const ShaderValue in = Read(source, "in");
+            return in ? MakeMath(HDS_MATH_NORMALIZE, {in}, 3) : in;
+        }
+        if (id == "ND_multiply_vector3FA" || id == "ND_divide_vector3FA") {
+            const ShaderValue in = Read(source, "in1");
+            const ShaderValue by = _network.EvaluateOr(source, "in2", {1.0F}, 1);
+            return !in ? in : id[3] == 'm' ? Multiply(in, by, 3) : Divide(in, by, 3);
+        }
+        const bool isMix = id == "ND_mix_vector3";
+        const bool isSum = id == "ND_add_vector3";
+        if (!isMix && !isSum && id != "ND_subtract_vector3") {
+            return {};
+        }
+        const ShaderValue first = Read(source, isMix ? "bg" : "in1");
+        const ShaderValue second = Read(source, isMix ? "fg" : "in2");
+        if (!first || !second) {
+            return {};
+        }
+        return isMix   ? Mix(first, second, _network.EvaluateOr(source, "mix", {}, 1), 3)
+               : isSum ? Add(first, second, 3)
+                       : Subtract(first, second, 3);
+    }
+
+    NetworkEvaluator& _network;
+    NodeWalk<ShaderValue> _walk;
+};
+
 } // namespace
 
 void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::string& input,
@@ -87,16 +156,17 @@ bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input) {
     const MaterialNode* source = network.FindSource(node, input);
-    const std::string id = source == nullptr ? std::string() : source->identifier;
-    const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
-    if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap") ||
-        isOne("ND_hextilednormalmap") || isOne("ND_flake")) {
+    if (source != nullptr && IsMap(source->identifier)) {
         return network.Evaluate(node, input);
     }
-    if (!IsSurfaces(network, node, input)) {
+    if (IsSurfaces(network, node, input)) {
+        return {};
+    }
+    const ShaderValue blend = NormalBlends(network).Read(node, input);
+    if (!blend) {
         WarnOf(network, node, input, kSurfacesFrame);
     }
-    return {};
+    return blend;
 }
 
 ShaderValue EvaluateTangent(NetworkEvaluator& network, const MaterialNode& node,

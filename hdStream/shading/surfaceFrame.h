@@ -24,8 +24,8 @@ void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::stri
 bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
                 const std::string& input);
 
-/// Normal maps and bumps count, which are in tangent space; of others, which warn, and of none it
-/// is empty: the surface's own.
+/// Normal maps and bumps count, which are in tangent space, and blends of these and of the
+/// surface's own normal; of others, which warn, and of none it is empty: the surface's own.
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input);
 

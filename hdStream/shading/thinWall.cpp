@@ -15,4 +15,15 @@ bool IsThinWall(NetworkEvaluator& network, const MaterialNode& node, const char*
     return ConstantOf(value)[0] != 0.0F;
 }
 
+void FrostThinWall(LayeredMaterial* material) {
+    const ShaderValue& transmission = material->values[HDS_INPUT_TRANSMISSION];
+    if (!transmission || IsAll(transmission, 0.0F)) {
+        return;
+    }
+    const ShaderValue& roughness = material->values[HDS_INPUT_ROUGHNESS];
+    constexpr float kRoughestClear = 0.35F; // the default of the models and a little more
+    const bool isClear = IsConstant(roughness) && ConstantOf(roughness)[0] <= kRoughestClear;
+    material->flags |= isClear ? 0U : HDS_MATERIAL_FROSTED;
+}
+
 } // namespace hds

@@ -26,6 +26,7 @@
 #include "shading/layeredLobes.clh"
 #include "shading/albedo.clh"
 #include "shading/layeredFresnel.clh"
+#include "shading/layeredFrost.clh"
 #include "shading/layeredSchlick.clh"
 #include "shading/layeredSetup.clh"
 #include "shading/layeredSurface.clh"

@@ -20,14 +20,15 @@ enum {
 };
 
 /* HdsMaterial.flags */
-#define HDS_MATERIAL_SPECULAR_WORKFLOW 1u
-#define HDS_MATERIAL_CUTOUT 2u /* opacity may be below 1 */
+#define HDS_MATERIAL_SPECULAR_WORKFLOW 1u /* of a UsdPreviewSurface */
+#define HDS_MATERIAL_FROSTED 1u /* of layered surfaces: a thin wall spreads by its roughness */
+#define HDS_MATERIAL_CUTOUT 2u  /* opacity may be below 1 */
 #define HDS_MATERIAL_EMISSIVE 4u
 #define HDS_MATERIAL_NORMAL 8u    /* the normal input is not (0,0,1) */
 #define HDS_MATERIAL_LAMBERT 16u  /* no specular lobe at all: a prim without bound material */
 #define HDS_MATERIAL_MASK 32u     /* a constant opacityThreshold: opacity alone says what passes */
 #define HDS_MATERIAL_TANGENTS 64u /* the normal input is in the frame of texture coordinates */
-#define HDS_MATERIAL_THIN_WALLED 128u /* what it transmits goes straight on */
+#define HDS_MATERIAL_THIN_WALLED 128u /* what it transmits is not bent */
 #define HDS_MATERIAL_FUZZ 256u        /* the sheen lies on top of the coat */
 #define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
@@ -49,7 +50,8 @@ enum {
 #define HDS_LOBE_CONDUCTOR 128u   /* metal by Fresnel's equations, not by Schlick's term */
 #define HDS_LOBE_SCHLICK 256u     /* a dielectric's reflection by Schlick's term, generalised */
 #define HDS_LOBE_COAT_FRAME 512u  /* a coat with a normal of its own, or stretched */
-#define HDS_LOBES_ALL 1023u
+#define HDS_LOBE_FROST 1024u      /* thin walls that spread what they transmit */
+#define HDS_LOBES_ALL 2047u
 #define HDS_LOBES_RARE 768u /* those that HDS_RARE_INPUT is for */
 /* Those that are known to the form of one path alone (HDS_SHADE_WIDE). */
 #define HDS_LOBES_ALONE (HDS_LOBE_FILM | HDS_LOBE_SCHLICK)

@@ -50,6 +50,10 @@ def Layered(path) -> None:
     sheet = materialX.AddSurface(stage, "/World/Looks/Sheet", thin_walled=True, subsurface=1.0, subsurface_color=(0.3, 0.8, 0.4))
     author.AddMesh(stage, "/World/Sheet", shapes.Plane(2.0, 2.0), material=sheet, doubleSided=True, translate=(-2.4, 1.0, 2.0),
                    rotate=(70, 30, 0))
+    pane = materialX.AddSurface(stage, "/World/Looks/Pane", thin_walled=True, transmission=0.8, transmission_color=(0.8, 0.9, 1.0),
+                                specular_roughness=0.5, specular_anisotropy=0.5)
+    author.AddMesh(stage, "/World/Pane", shapes.Plane(2.0, 2.0), material=pane, doubleSided=True, translate=(2.0, 1.0, 2.5),
+                   rotate=(70, -20, 0))
     UsdShade.Material.Define(stage, "/World/Looks/Lacquer")
     bumps = materialX.AddNode(stage, "/World/Looks/Lacquer/Bumps", "ND_normalmap", Sdf.ValueTypeNames.Vector3f,
                               **{"in": Gf.Vec3f(0.7, 0.4, 0.9)})

@@ -187,6 +187,18 @@ def _Layered(*bsdfs):
     return Add
 
 
+@pytest.mark.parametrize("own", [dict(tint=(0.9, 0.5, 0.2)), dict(thinfilm_thickness=380.0, thinfilm_ior=1.7), {}])
+def test_what_a_second_reflection_loses_is_told(tmp_path, own):
+    """It is a coat, which has no colour and no film. One line names its layer; what a coat has is not told."""
+    def Look(**inputs):
+        return _Render(tmp_path, _Layered(("dielectric", dict(roughness=(0.1, 0.1), **inputs)), ("dielectric", dict(ior=1.8)),
+                                          ("oren_nayar_diffuse", dict(color=RED))), samples=4, size=8)
+    picture = Look(**own)
+    lines = [line for line in picture.warnings if "Layer0: above another reflection it has neither a colour nor a film" in line]
+    assert len(lines) == len(picture.warnings) == bool(own) and all("/World/Look" in line for line in lines), picture.warnings
+    assert np.array_equal(picture.rgb, Look().rgb)
+
+
 @pytest.mark.parametrize("front, exponent, index", [((1 / 9, 1 / 9, 1 / 9), 5.0, 2.0), ((0.04, 0.04, 0.04), 3.0, 2.0),
                                                     ((0.3, 0.6, 0.8), 5.0, 1.5)])
 def test_glass_below_a_schlicks_term_refracts_by_its_own_index(tmp_path, front, exponent, index):

@@ -251,3 +251,41 @@ def test_definitions_that_multiply_without_end_are_named(tmp_path):
     assert list(session.Warnings()) == []
     warnings = list(_Translate(tmp_path, _Doubling(40)).Warnings())
     assert any("looks.mtlx" in warning and "Wood: more than 4096 nodes" in warning for warning in warnings), warnings
+
+
+def _Split(text):
+    """(a file of its definitions, one of all else)"""
+    begin, end = text.index("  <nodedef"), text.rindex("</nodegraph>") + len("</nodegraph>\n")
+    return text[:begin] + text[begin:end] + "</materialx>\n", text[:begin] + text[end:]
+
+
+def test_definitions_may_lie_in_the_folders_that_usdMtlx_searches(tmp_path, monkeypatch):
+    """PXR_MTLX_PLUGIN_SEARCH_PATHS, deep folders too; files that definitions name are beside these."""
+    pytest.importorskip("MaterialX")
+    definitions, look = _Split(_OWN)
+    picture = '<input name="tint" type="color3" value="0.25, 0.5, 0.75"/>\n    <input name="map" type="filename" value="wood.png"/>'
+    noise = '<noise3d name="noise" type="color3">\n      <input name="position" type="vector3" interfacename="place"/>\n    </noise3d>'
+    image = '<image name="noise" type="color3"> <input name="file" type="filename" interfacename="map"/> </image>'
+    assert noise in definitions
+    definitions = definitions.replace('<input name="tint" type="color3" value="0.25, 0.5, 0.75"/>', picture).replace(noise, image)
+    studio = tmp_path / "studio" / "patterns"
+    studio.mkdir(parents=True)
+    (studio / "definitions.mtlx").write_text(definitions)
+    shot = tmp_path / "shot"
+    shot.mkdir()
+    monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", f"{tmp_path / 'none'}:{studio.parent}")
+    surface = _Tree(_Translate(shot, look))
+    inner = surface[3]["base_color"][3]["in1"]
+    assert (surface[0], surface[3]["base_color"][0]) == ("ND_standard_surface_surfaceshader", "ND_multiply_color3FA")
+    assert inner[3]["in1"][2]["file"].authoredPath == str(studio / "wood.png") and inner[3]["in2"][0] == "ND_constant_color3"
+    monkeypatch.delenv("PXR_MTLX_PLUGIN_SEARCH_PATHS")
+    assert _Tree(_Translate(shot, look))[0] == "ND_coated_surfaceshader"  # not known
+
+
+def test_definitions_that_cannot_be_read_are_named(tmp_path, monkeypatch):
+    pytest.importorskip("MaterialX")
+    (tmp_path / "studio").mkdir()
+    (tmp_path / "studio" / "broken.mtlx").write_text("<materialx")
+    monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", str(tmp_path / "studio"))
+    warnings = list(_Translate(tmp_path, _FILE).Warnings())
+    assert any("looks.mtlx" in line and "broken.mtlx" in line and "PXR_MTLX_PLUGIN_SEARCH_PATHS" in line for line in warnings), warnings

@@ -7,6 +7,7 @@ plug-in gives them, /MaterialX/Materials/NAME. Layers that refer to the file are
 
 import functools
 import os
+import pathlib
 
 from pxr import Gf, Sdf, Tf, Usd, UsdShade
 
@@ -26,6 +27,7 @@ _FALLBACK_SPACES = ("lin_rec709", "lin_rec709_scene")  # USD's, which goes witho
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
 # Streams of geometry that inputs of definitions take where nothing is connected.
 _GEOMETRY = ("texcoord", "position", "normal", "tangent", "bitangent", "viewdirection")
+_STUDIO_FOLDERS = "PXR_MTLX_PLUGIN_SEARCH_PATHS"
 _MOST_SHADERS = 1 << 12  # of a material: definitions of definitions may multiply without end
 _layers = {}  # path -> layer as read last; an anonymous layer lives as long as someone holds it
 
@@ -77,10 +79,24 @@ def _Library():
     return library
 
 
+def _AddStudioDefinitions(document):
+    """The definitions of the files in the folders that usdMtlx looks in for a studio's own nodes."""
+    import MaterialX as mx
+    folders = [folder for folder in os.environ.get(_STUDIO_FOLDERS, "").split(os.pathsep) if folder]
+    for path in sorted(str(path) for folder in folders for path in pathlib.Path(folder).rglob("*.mtlx")):
+        definitions = mx.createDocument()
+        try:
+            mx.readFromXmlFile(definitions, path)
+        except Exception as error:  # MaterialX's own errors have no common base
+            raise ValueError(f"{path}, of {_STUDIO_FOLDERS}: {str(error).splitlines()[0] if str(error) else error!r}") from error
+        document.importLibrary(definitions)
+
+
 def _ReadLayer(path):
     import MaterialX as mx
     document = mx.createDocument()
     mx.readFromXmlFile(document, path)
+    _AddStudioDefinitions(document)
     if hasattr(document, "setDataLibrary"):  # from 1.39 on a document refers to it
         document.setDataLibrary(_Library())
     else:
@@ -210,7 +226,8 @@ class _Material:
     def _WriteValue(self, target, source):
         kind = source.getType()
         if kind == "filename":
-            target.Set(Sdf.AssetPath(os.path.join(self._folder, source.getResolvedValueString())))
+            folder = os.path.dirname(source.getActiveSourceUri()) or self._folder  # of a definition, that of its file
+            target.Set(Sdf.AssetPath(os.path.join(folder, source.getResolvedValueString())))
             space = source.getActiveColorSpace()
             if space:
                 target.GetAttr().SetColorSpace(space)

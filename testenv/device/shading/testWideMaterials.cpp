@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxInputs = 48;
 constexpr std::size_t kNumbers = 3 * kMaxInputs + 17;
-constexpr std::size_t kResults = 115;
+constexpr std::size_t kResults = 116;
 
 const char* const kText = R"(
 Real* putSpace(Real* out, const HdsShadingPoint* s) {
@@ -81,6 +81,11 @@ Real* putLayered(Real* out, Bool isIt, const HdsLayeredSurface* s) {
     out = put1(out, (Real)(0.0f));
     out = put1(out, (Real)(0.0f));
 #endif
+#if (HDS_LOBES & HDS_LOBE_FROST) != 0u
+    out = put1(out, only1(isIt, s->frost));
+#else
+    out = put1(out, (Real)(0.0f));
+#endif
 #if HDS_FEATURE_MEDIA
     out = put1(out, only1(isIt, s->farShare));
 #else
@@ -126,7 +131,7 @@ void materials(const HdsTestContext* context, const Real* in, Real* out) {
 )";
 
 const char* const kKernels = R"(
-HDS_TEST_FORMS(materials, 161, 115)
+HDS_TEST_FORMS(materials, 161, 116)
 )";
 
 /// The value of an input: mostly in its range, at times out of it, and not a number.
@@ -188,7 +193,7 @@ protected:
 };
 
 TEST_F(WideMaterials, OfPreviewSurfacesHaveTheSameBits) {
-    EXPECT_EQ(ExpectSame({}, 0), 69U) << "those of layered surfaces";
+    EXPECT_EQ(ExpectSame({}, 0), 70U) << "those of layered surfaces";
 }
 
 TEST_F(WideMaterials, OfLayeredSurfacesHaveTheSameBits) {

@@ -18,11 +18,13 @@ HDS_TEST_STRUCT(Surface)
 #if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
 #define HDS_TEST_BASE(R3) R3(base.x) R3(base.y) R3(base.z)
 #define HDS_TEST_COAT(R2) R2(coatStretch)
+#define HDS_TEST_FROST(R1) R1(frost)
 #define HDS_TEST_NUM_SPACE 27
-#define HDS_TEST_NUM_LAYERED 64
+#define HDS_TEST_NUM_LAYERED 65
 #else
 #define HDS_TEST_BASE(R3)
 #define HDS_TEST_COAT(R2)
+#define HDS_TEST_FROST(R1)
 #define HDS_TEST_NUM_SPACE 18
 #define HDS_TEST_NUM_LAYERED 53
 #endif
@@ -44,7 +46,7 @@ HDS_TEST_STRUCT(ScatteredRay)
     R3(geomNormal) R2(alpha) R1(eta) R1(specularWeight) R1(diffuseRoughness)                \
     R1(sheenRoughness) R1(coat) R1(coatEta) R1(coatAlpha) R1(cosineShare)                   \
     R1(specularShare) R1(coatShare) R1(refractedShare) R1(translucentShare)                 \
-    HDS_TEST_COAT(R2) HDS_TEST_BASE(R3)
+    HDS_TEST_COAT(R2) HDS_TEST_BASE(R3) HDS_TEST_FROST(R1)
 HDS_TEST_STRUCT(LayeredSurface)
 #endif
 /* in: wo, wi, a normal, alphas, two numbers, eta. */
@@ -89,13 +91,13 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     in += 22;
 #if HDS_LOBES
     LayeredSurface_make(&at.bsdf.layered, in);
-    at.bsdf.isLayered = as_Uint(in[64]);
+    at.bsdf.isLayered = as_Uint(in[65]);
 #if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
     at.bsdf.layered.base = frame_fromNormal(at.bsdf.layered.base.x);
     at.shading.base = at.bsdf.layered.base;
 #endif
 #endif
-    in += 65;
+    in += 66;
     at.shading.frame = frame_fromNormal(take3(in));
     at.shading.geomNormal = take3(in + 3);
     at.shading.geomLocal = frame_toLocal(&at.shading.frame, at.shading.geomNormal);
@@ -156,7 +158,7 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
 
 const char* const kKernels = R"(
 HDS_TEST_FORMS(microfacets, 14, 31)
-HDS_TEST_FORMS(scatters, 127, 54)
+HDS_TEST_FORMS(scatters, 128, 54)
 HDS_TEST_LANES(Surface, 22)
 HDS_TEST_LANES(ShadingPoint, HDS_TEST_NUM_SPACE)
 HDS_TEST_LANES(SurfacePoint, 7)
@@ -234,6 +236,7 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     AddLocalNormal(r, one);        // of the base; two more directions that are not used
     AddLocalNormal(r, one);
     AddLocalNormal(r, one);
+    one.Add({r.Is(3) ? 1.0F : 0.0F}); // frosted
 }
 
 void AddScatter(LaneRandom& r, LaneCase& one) {
@@ -300,7 +303,7 @@ TEST_P(WideSurfaces, StructsLieInTheirLane) {
     ExpectLanes(*_program, "LightSample", 12);
     ExpectLanes(*_program, "ScatteredRay", 20);
     if (GetParam() != 0) {
-        ExpectLanes(*_program, "LayeredSurface", isFramed ? 64 : 53);
+        ExpectLanes(*_program, "LayeredSurface", isFramed ? 65 : 53);
     }
 }
 

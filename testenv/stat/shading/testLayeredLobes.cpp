@@ -428,6 +428,29 @@ TEST_F(LayeredLobesTest, RefractionIsWaltersBesideReflection) {
     }
 }
 
+TEST_F(LayeredLobesTest, FrostedWallsMirrorTheirReflection) {
+    for (const double roughness : {0.2, 0.5, 1.0}) {
+        for (const bool isBack : {false, true}) {
+            const double alpha = AlphaOf(roughness);
+            LayeredParameters wall;
+            wall.Set(HDS_INPUT_TRANSMISSION, 1.0F).Set(HDS_INPUT_ROUGHNESS, float(roughness));
+            wall.flags = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
+            wall.isBack = isBack;
+            std::map<double, double> factors; // the furnace has what they are
+            for (const double o : kCosines) {
+                const glm::dvec3 wo = Towards(o);
+                factors[wo.z] = Evaluate(wall, {{wo, -wo}})[0][0] /
+                                reference::Reflection(wo, {-wo.x, -wo.y, wo.z}, alpha, 1.0);
+            }
+            Check("frosted " + std::to_string(roughness), wall, Below(), 1e-3, 0.0,
+                  [&](const glm::dvec3& wo, const glm::dvec3& wi, int) {
+                      return factors.at(wo.z) *
+                             reference::Reflection(wo, {wi.x, wi.y, -wi.z}, alpha, 1.0);
+                  });
+        }
+    }
+}
+
 TEST_F(LayeredLobesTest, DiffuseTransmissionIsLamberts) {
     const double colors[] = {0.9, 0.5, 0.2};
     const LayeredParameters p =

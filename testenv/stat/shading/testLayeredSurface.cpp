@@ -30,6 +30,11 @@ LayeredParameters Glass(float roughness) {
     LayeredParameters p;
     return p.Set(HDS_INPUT_TRANSMISSION, 1.0F).Set(HDS_INPUT_ROUGHNESS, roughness);
 }
+LayeredParameters Frosted(float roughness) {
+    LayeredParameters p = Glass(roughness);
+    p.flags = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
+    return p;
+}
 
 /// Surfaces that absorb nothing.
 std::vector<Case> WhiteCases() {
@@ -46,6 +51,10 @@ std::vector<Case> WhiteCases() {
         LayeredParameters sheen =
             WhiteDielectric(0.4F).Set(HDS_INPUT_SHEEN, 1.0F).Set(HDS_INPUT_SHEEN_ROUGHNESS, r);
         cases.push_back({"sheen" + suffix, sheen});
+        cases.push_back({"frosted wall" + suffix, Frosted(r)});
+        cases.push_back(
+            {"half frosted wall" + suffix,
+             Frosted(r).Set(HDS_INPUT_DIFFUSE_COLOR, 1.0F).Set(HDS_INPUT_TRANSMISSION, 0.5F)});
         sheen.flags = HDS_MATERIAL_FUZZ;
         cases.push_back({"fuzz" + suffix, sheen});
     }
@@ -189,6 +198,8 @@ TEST_F(LayeredTest, SamplesFollowTheirDensity) {
         CheckChiSquare("sheen", WhiteDielectric(0.6F).Set(HDS_INPUT_SHEEN, 1.0F), cosine, seed++);
         CheckChiSquare("translucent", WhiteDielectric(0.6F).Set(HDS_INPUT_TRANSLUCENCY, 0.7F),
                        cosine, seed++);
+        CheckChiSquare("frosted wall", Frosted(0.6F).Set(HDS_INPUT_TRANSLUCENCY, 0.3F), cosine,
+                       seed++);
         LayeredParameters glass = Glass(0.6F);
         CheckChiSquare("glass", glass, cosine, seed++, kChiSquareFineSubdivisions);
         glass.isBack = true;

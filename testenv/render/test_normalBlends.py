@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Networks that blend normal maps, also with the surface's own normal, are the map that has the blend in its texels."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from pxr import Gf, Sdf, UsdShade
+from stages import author, shapes
+from stages.materialX import AddNode, AddSurface
+
+_VECTOR, _FLOAT = Sdf.ValueTypeNames.Vector3f, Sdf.ValueTypeNames.Float
+_A, _B = np.array((0.6, 0.1, 0.7)), np.array((-0.3, 0.5, 0.8))
+_OWN = np.array((0.0, 0.0, 1.0))
+
+
+def _Unit(vector):
+    return np.asarray(vector) / np.linalg.norm(vector)
+
+
+def _Node(stage, name, kind, type=_VECTOR, **inputs):
+    return AddNode(stage, f"/World/Look/{name}", f"ND_{kind}", type, **inputs)
+
+
+def _Map(stage, name, left, right=None):
+    """A normal map: one normal on the left and one on the right. Texels, not a constant, whose frame no coordinates give."""
+    values = [Gf.Vec3f(*(0.5 * _Unit(normal) + 0.5)) for normal in (left, left if right is None else right)]
+    texels = _Node(stage, f"{name}Texels", "splitlr_vector3", valuel=values[0], valuer=values[1], center=0.5)
+    return _Node(stage, name, "normalmap", **{"in": texels})
+
+
+def _Picture(tmp_path, add, identifier="ND_standard_surface_surfaceshader"):
+    """Of a sheet that is turned, below a lamp: a normal that is not turned with it is seen."""
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    UsdShade.Material.Define(stage, "/World/Look")
+    material = AddSurface(stage, "/World/Look", identifier, normal=add(stage), base_color=(0.7, 0.4, 0.2), specular_roughness=0.5)
+    author.AddMesh(stage, "/World/Sheet", shapes.Plane(2, 2), material=material, doubleSided=True, rotate=(60, 35, 20))
+    author.AddLight(stage, "/World/Lamp", "Sphere", placement=dict(translate=(3, 2, 6)), intensity=30.0)
+    author.AddCamera(stage, eye=(0, 0, 10), width=2.4, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    return ours.Render(stage.GetRootLayer().realPath, 24, 24, samples=16, maxDepth=1)
+
+
+_BLENDS = {  # {blend: (its network, the normals that it has on the left and on the right)}
+    "mixed": (lambda s: _Node(s, "Blend", "mix_vector3", bg=_Map(s, "A", _A), fg=_Map(s, "B", _B), mix=0.25),
+              lambda: [0.75 * _Unit(_A) + 0.25 * _Unit(_B)] * 2),
+    "masked": (lambda s: _Node(s, "Blend", "mix_vector3", bg=_Node(s, "Own", "normal_vector3", space="world"), fg=_Map(s, "B", _B),
+                               mix=_Node(s, "Mask", "splitlr_float", _FLOAT, valuel=0.0, valuer=1.0, center=0.5)),
+               lambda: [_OWN, _B]),
+    "summed": (lambda s: _Node(s, "Unit", "normalize_vector3", **{"in": _Node(
+        s, "Less", "subtract_vector3", in2=_Node(s, "Own", "normal_vector3"), in1=_Node(
+            s, "Sum", "add_vector3", in1=_Map(s, "A", _A, _B), in2=_Node(s, "Twice", "multiply_vector3FA", in1=_Map(s, "B", _B), in2=2.0)))}),
+        lambda: [_Unit(_A) + 2.0 * _Unit(_B) - _OWN, 3.0 * _Unit(_B) - _OWN]),
+    "faded": (lambda s: _Node(s, "Blend", "mix_vector3", fg=_Map(s, "A", _A, _B), mix=0.5), lambda: [_A, _B]),
+}
+
+
+@pytest.mark.parametrize("name", _BLENDS)
+def test_a_blend_is_a_map_of_blends(tmp_path, name):
+    network, normals = _BLENDS[name]
+    blend = _Picture(tmp_path, network)
+    expected = _Picture(tmp_path, lambda stage: _Map(stage, "Whole", *normals()))
+    flat = _Picture(tmp_path, lambda stage: _Map(stage, "Flat", _OWN))
+    assert blend.warnings == expected.warnings == []
+    assert abs(expected.rgb - flat.rgb).mean() > 0.05 * flat.rgb.mean()
+    assert blend.rgb == pytest.approx(expected.rgb, rel=1e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize("other", ["constant", "rotated", "circle"])
+def test_what_is_no_normal_of_the_surface_is_told(tmp_path, other):
+    def Add(stage):
+        if other == "rotated":
+            return _Node(stage, "Blend", "rotate3d_vector3", **{"in": _Map(stage, "A", _A)}, amount=30.0)
+        blend = _Node(stage, "Blend", "mix_vector3", bg=_Map(stage, "A", _A), fg=Gf.Vec3f(0, 0, 1), mix=0.5)
+        if other == "circle":
+            blend[0].GetInput("fg").ConnectToSource(blend[0].GetOutput("out"))
+        return blend
+    picture = _Picture(tmp_path, Add)
+    lines = [line for line in picture.warnings if "normal of /World/Look/Surface: is not supported; that of the surface is used" in line]
+    assert len(lines) == 1, picture.warnings
+    assert np.array_equal(picture.rgb, _Picture(tmp_path, lambda stage: _Map(stage, "Flat", _OWN)).rgb)
+
+
+@pytest.mark.parametrize("depth", [8, 60])
+def test_blends_of_blends_are_read_once(tmp_path, depth):
+    """2^60 ways to one map end, with a line where the machine is not deep enough."""
+    def Add(stage):
+        node = _Map(stage, "A", _A)
+        for index in range(depth):
+            node = _Node(stage, f"Blend{index}", "mix_vector3", bg=node, fg=node, mix=0.5)
+        return node
+    picture, whole = _Picture(tmp_path, Add), _Picture(tmp_path, lambda stage: _Map(stage, "Whole", _A))
+    assert [text for text in picture.warnings if "too deep" in text] == picture.warnings and bool(picture.warnings) == (depth > 8)
+    assert (abs(picture.rgb - whole.rgb).max() < 1e-4) == (depth == 8)
