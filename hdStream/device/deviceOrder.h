@@ -11,8 +11,8 @@ namespace hds {
 inline constexpr const char* kPoclPlatform = "Portable Computing Language";
 
 /// Whether a device comes before another one: GPUs before CPUs, among CPUs PoCL's first, then by
-/// the names of platforms and their devices' versions. The devices of one platform that are of a
-/// kind stay as the driver has them.
+/// the names of platforms; CPUs by their versions too, for there may be two PoCLs. The GPUs of one
+/// platform stay as the driver has them.
 bool ComesBefore(const DeviceProperties& a, const DeviceProperties& b);
 
 } // namespace hds

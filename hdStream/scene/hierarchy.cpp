@@ -136,9 +136,11 @@ public:
     }
 
 private:
-    /// Chooses groups whose records lie in chunks, if they rest: those with most instances, of
-    /// which no two are on one path, since a ray remembers one instance chunk around what it waits
-    /// for. \param group null: the TLAS. \return at most so many instances lie in chunks then.
+    /// Chooses groups whose records lie in chunks, if they rest: no two on one path, since a ray
+    /// remembers one instance chunk around what it waits for, and of one and those below it what
+    /// has more instances. Only counts are looked at: one that moves after all, or places nothing
+    /// that is drawn, keeps its place. \param group null: the TLAS. \return about so many instances
+    /// lie in chunks then.
     std::uint64_t ChooseChunked(const Prototype* group, const std::vector<Member>& members) {
         const std::size_t numBefore = _chunked.size();
         std::uint64_t numOwn = 0;
@@ -150,7 +152,10 @@ private:
                 continue;
             }
             for (const Prototype& prototype : prototypes->second) {
-                numOwn += prototype.instances.size();
+                // Instances that another member has, or that are not there, are negative.
+                numOwn += static_cast<std::uint64_t>(
+                    std::count_if(prototype.instances.begin(), prototype.instances.end(),
+                                  [](std::int32_t index) { return index >= 0; }));
                 if (prototype.OnlyLeaf() == nullptr) {
                     numBelow += ChooseChunked(&prototype, prototype.members);
                 }

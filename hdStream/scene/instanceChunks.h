@@ -16,7 +16,7 @@ namespace hds {
 
 /// Shares records out over chunks, which are compact in space. \param inTable records that are left
 /// out, ascending. \param bounds hold the boxes of all others. \param chunkBytes about what the
-/// page of a chunk takes at most. \param numOfAll at least so many records lie in chunks, of all
+/// page of a chunk takes at most. \param numOfAll about so many records lie in chunks, of all
 /// groups. \return a plan whose groups are records.
 ChunkPlan PlanInstanceChunks(const GroupRecords& records, const std::vector<std::uint32_t>& inTable,
                              const Bounds& bounds, std::uint64_t chunkBytes,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/programWriter.h"
 
+#include "hdStream/shading/programDepth.h"
 #include "kernels/shared/material.h"
 #include "kernels/shared/programMath.h"
 
@@ -94,6 +95,9 @@ private:
         _isTooLarge = _isTooLarge || _depth > HDS_PROGRAM_STACK;
     }
 
+    /// Values that are used again are in the first registers, operands that wait in the last.
+    bool HasFreeRegister() const { return _registers.size() + _numEarly < HDS_PROGRAM_REGISTERS; }
+
     void PushConstant(const std::array<float, 4>& value) {
         Emit(HDS_OP(HDS_OP_CONSTANT, 0U));
         std::for_each(value.begin(), value.end(), [&](float x) { EmitFloat(x); });
@@ -115,8 +119,7 @@ private:
             PushExpression(value, hasTangents);
             const auto uses = _counts.find(&expression);
             if (IsShareable(expression) && !_isShifted && known == _registers.end() &&
-                uses != _counts.end() && uses->second > 1 &&
-                _registers.size() < HDS_PROGRAM_REGISTERS) {
+                uses != _counts.end() && uses->second > 1 && HasFreeRegister()) {
                 const auto index = static_cast<std::uint32_t>(_registers.size());
                 _registers[&expression] = index;
                 Emit(HDS_OP(HDS_OP_SAVE, index));
@@ -192,14 +195,51 @@ private:
     }
 
     void PushMath(const ShaderExpression& expression, bool hasTangents) {
-        for (const ShaderValue& operand : expression.operands) {
-            const bool isFirst = hasTangents && HasFrame(operand);
-            Push(operand, isFirst);
-            hasTangents = hasTangents && !isFirst;
+        const auto& operands = expression.operands;
+        const auto withFrame = std::find_if(operands.begin(), operands.end(), [&](const auto& one) {
+            return hasTangents && HasFrame(one);
+        });
+        const auto isInFrame = [&](std::size_t i) {
+            return operands.begin() + static_cast<std::ptrdiff_t>(i) == withFrame;
+        };
+        const std::size_t early = FindEarly(expression);
+        if (early < operands.size()) {
+            Push(operands[early], isInFrame(early));
+            _isTooLarge = _isTooLarge || !HasFreeRegister();
+            Emit(HDS_OP(HDS_OP_SAVE, HDS_PROGRAM_REGISTERS - ++_numEarly));
+            Emit(HDS_OP(HDS_OP_POP, 0U));
+            --_depth;
         }
-        const auto count = static_cast<std::uint32_t>(expression.operands.size());
+        for (std::size_t i = 0; i < operands.size(); ++i) {
+            if (i == early) {
+                Emit(HDS_OP(HDS_OP_LOAD, HDS_PROGRAM_REGISTERS - _numEarly--));
+                Grow(1);
+            } else {
+                Push(operands[i], isInFrame(i));
+            }
+        }
+        const auto count = static_cast<std::uint32_t>(operands.size());
         Emit(HDS_OP(HDS_OP_MATH, HDS_MATH(expression.code, count)));
         _depth -= count - 1;
+    }
+
+    /// Where operands in order do not fit the stack, the one that takes most places is evaluated
+    /// before the others, where it begins lower, and waits in a register. \return its number, or
+    /// one past the last: in order.
+    std::size_t FindEarly(const ShaderExpression& expression) {
+        const auto& operands = expression.operands;
+        if (_depth + _depths.Of(expression) <= HDS_PROGRAM_STACK || !HasFreeRegister()) {
+            return operands.size();
+        }
+        std::size_t early = 0;
+        std::uint32_t most = 0;
+        for (std::size_t i = 0; i < operands.size(); ++i) {
+            const std::uint32_t depth =
+                static_cast<std::uint32_t>(i) + _depths.Of(*operands[i].expression);
+            early = depth > most ? i : early;
+            most = std::max(most, depth);
+        }
+        return early > 0 ? early : operands.size();
     }
 
     void PushLookup(const ShaderExpression& expression, bool hasTangents) {
@@ -296,6 +336,8 @@ private:
     std::vector<std::uint32_t> _words;
     std::vector<std::uint32_t> _lookupCoordinates; ///< words of those of the last look-up
     std::uint32_t _depth = 0;
+    ProgramDepth _depths;
+    std::uint32_t _numEarly = 0; ///< operands that wait
     bool _isTooLarge = false;
     bool _isShifted = false;
 };

@@ -38,6 +38,17 @@ def _Turned(degrees):
     return np.array([c * _ST[0] + s * _ST[1], -s * _ST[0] + c * _ST[1]])
 
 
+def _Chain(name: str, count: int = 24):
+    """A chain of mixes in which each takes the one before as its input `name`: (expected, category, types, inputs)."""
+    expected, inputs = _A, "A"
+    for i in range(count):
+        others = dict(fg="B", bg="A", mix=0.9 if i % 2 else 0.6)
+        values = {**dict(fg=_B, bg=_A, mix=others["mix"]), name: expected}
+        expected = values["bg"] + (values["fg"] - values["bg"]) * values["mix"]
+        inputs = ("mix", "color3", {**others, name: inputs})
+    return expected, *inputs
+
+
 # name: (expected, category, types, inputs); "A", "B", "X", "Y" name the values above, "ST" the coordinates.
 _CASES = {
     "add": (_A + _B, "add", "color3", dict(in1="A", in2="B")),
@@ -58,6 +69,8 @@ _CASES = {
         **{"in": ("multiply", "color3FA", dict(in1="A", in2=10.0))})), in2=0.1)),
     "invert": (1 - _A, "invert", "color3", dict(**{"in": "A"})),
     "mix": (_B + (_A - _B) * _X, "mix", "color3", dict(fg="A", bg="B", mix="X")),
+    "mix_chain": _Chain("fg"),
+    "mix_chain_back": _Chain("bg"),
     "mix_color": (_B + (_A - _B) * _A, "mix", "color3_color3", dict(fg="A", bg="B", mix="A")),
     "clamp": (np.clip(_A, 0.3, 0.6), "clamp", "color3FA", dict(low=0.3, high=0.6, **{"in": "A"})),
     "smoothstep": (_Smooth((_X - 0.2) / 0.6), "smoothstep", "float", dict(low=0.2, high=0.8, **{"in": "X"})),

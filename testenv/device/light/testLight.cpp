@@ -496,9 +496,9 @@ TEST_F(LightTest, EstimatesOfShapedLightsAreNeverZeroWhereTheyShine) {
     }
 }
 
-TEST_F(LightTest, ACutWhoseSumVanishesIsNotSplitFurther) {
-    // Spheres of very different power near the horizon of points above them: what is left of the
-    // sum of a cut is rounding, of either sign, and an item without error must not be split.
+TEST_F(LightTest, ChancesAddUpToAtMostOneNearTheHorizon) {
+    // Spheres of very different power near the horizon of points above them: estimates go down to
+    // zero, and a light must not be looked into as if it were a node.
     std::vector<PlacedLight> lights;
     std::mt19937 generator(3);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -17,7 +17,7 @@ DeviceProperties Of(const std::string& platform, const std::string& name, bool i
     properties.platform = platform;
     properties.name = name;
     properties.isCpu = isCpu;
-    properties.version = "OpenCL 3.0";
+    properties.version = "OpenCL of the " + name; // "second" is behind "first"
     return properties;
 }
 
