@@ -45,9 +45,9 @@ def Sphere "Ball" (
 """
 
 
-def _Translate(folder, text):
+def _Translate(folder, text, stage=_STAGE):
     (folder / "looks.mtlx").write_text(text)
-    (folder / "stage.usda").write_text(_STAGE)
+    (folder / "stage.usda").write_text(stage)
     diagnostics, session = Diagnostics(), _core.Session()
     TranslateStage(OpenStage(str(folder / "stage.usda")), session, 1.0)
     diagnostics.WarnOf(session)
@@ -283,9 +283,85 @@ def test_definitions_may_lie_in_the_folders_that_usdMtlx_searches(tmp_path, monk
 
 
 def test_definitions_that_cannot_be_read_are_named(tmp_path, monkeypatch):
+    """Once, however many files there are; they are drawn without them."""
     pytest.importorskip("MaterialX")
-    (tmp_path / "studio").mkdir()
-    (tmp_path / "studio" / "broken.mtlx").write_text("<materialx")
+    definitions, look = _Split(_OWN)
+    studio = tmp_path / "studio"
+    studio.mkdir()
+    (studio / "broken.mtlx").write_text("<materialx")
+    (studio / "definitions.mtlx").write_text(definitions)
+    (tmp_path / "other.mtlx").write_text(_FILE)
+    monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", str(studio))
+    session = _Translate(tmp_path, look, _STAGE + 'def "Others" (references = @other.mtlx@</MaterialX/Materials>) {}\n')
+    warnings = list(session.Warnings())
+    assert len(warnings) == 1 and all(text in warnings[0] for text in (str(studio / "broken.mtlx"), "PXR_MTLX_PLUGIN_SEARCH_PATHS")), warnings
+    assert _Tree(session)[3]["base_color"][0] == "ND_multiply_color3FA"
+
+
+@pytest.mark.parametrize("order, factor", [(("b", "a"), 0.25), (("a", "b"), 0.5)])
+def test_of_definitions_of_one_name_the_first_folder_has_the_say(order, factor, tmp_path, monkeypatch):
+    pytest.importorskip("MaterialX")
+    definitions, look = _Split(_OWN)
+    default = '<input name="by" type="float" value="0.5"/>'
+    assert default in definitions
+    for folder, text in (("a", definitions), ("b", definitions.replace(default, default.replace("0.5", "0.25")))):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "definitions.mtlx").write_text(text)
+    monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", ":".join(str(tmp_path / folder) for folder in order))
+    assert _Tree(_Translate(tmp_path, look))[3]["base_color"][2]["in2"] == factor
+
+
+def _Including(*files):
+    includes = "".join(f'<xi:include href="{file}"/>' for file in files)
+    return f'<materialx version="1.38" xmlns:xi="http://www.w3.org/2001/XInclude">{includes}</materialx>'
+
+
+def _ImageOf(session):
+    return next(node for node in session.Scene().materials["/Looks/Wood"].nodes if "image" in node.identifier).parameters["file"]
+
+
+@pytest.mark.parametrize("isStudio", [False, True])
+def test_materials_and_images_of_included_files(isStudio, tmp_path, monkeypatch):
+    """Images lie beside the file that names them, also where one that is included includes another."""
+    pytest.importorskip("MaterialX")
+    if isStudio:  # folders of definitions change nothing for a file that includes others, and add no materials
+        (tmp_path / "studio" / "parts").mkdir(parents=True)
+        (tmp_path / "studio" / "all.mtlx").write_text(_Including("parts/more.mtlx"))
+        (tmp_path / "studio" / "parts" / "more.mtlx").write_text(_FILE.replace('name="Wood"', 'name="Studio"'))
+        monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", str(tmp_path / "studio"))
+    deep = tmp_path / "sub" / "deep"
+    deep.mkdir(parents=True)
+    (deep / "wood.mtlx").write_text(_FILE)
+    (deep / "wood.png").write_bytes(b"")
+    (tmp_path / "sub" / "defs.mtlx").write_text(_Including("deep/wood.mtlx"))
+    for href in ("sub/deep/wood.mtlx", "sub/defs.mtlx"):
+        session = _Translate(tmp_path, _Including(href))
+        stage = OpenStage(str(tmp_path / "stage.usda"))
+        assert [prim.GetName() for prim in stage.GetPrimAtPath("/Looks").GetChildren()] == ["Wood"]
+        assert (_ImageOf(session).authoredPath, list(session.Warnings())) == (str(deep / "wood.png"), [])
+
+
+@pytest.mark.parametrize("href", ["graphs.mtlx", "sub/graphs.mtlx"])
+def test_images_of_files_that_definitions_include(href, tmp_path, monkeypatch):
+    pytest.importorskip("MaterialX")
+    definitions, look = _Split(_OWN)
+    picture = '<image name="noise" type="color3"> <input name="file" type="filename" value="wood.png"/> </image>'
+    begin, end = definitions.index("<noise3d"), definitions.index("</noise3d>") + len("</noise3d>")
+    file = tmp_path / "studio" / href
+    file.parent.mkdir(parents=True)
+    file.write_text(definitions[:begin] + picture + definitions[end:])
+    (tmp_path / "studio" / "all.mtlx").write_text(_Including(href))
+    (tmp_path / "shot").mkdir()
     monkeypatch.setenv("PXR_MTLX_PLUGIN_SEARCH_PATHS", str(tmp_path / "studio"))
-    warnings = list(_Translate(tmp_path, _FILE).Warnings())
-    assert any("looks.mtlx" in line and "broken.mtlx" in line and "PXR_MTLX_PLUGIN_SEARCH_PATHS" in line for line in warnings), warnings
+    session = _Translate(tmp_path / "shot", look)
+    assert _ImageOf(session).authoredPath == str(file.parent / "wood.png")
+
+
+@pytest.mark.parametrize("text, line", [(None, "sub/defs.mtlx"), ("<materialx", "sub/defs.mtlx"), (_Including("../looks.mtlx"), "cycle")])
+def test_included_files_that_cannot_be_read_are_named(text, line, tmp_path):
+    pytest.importorskip("MaterialX")
+    (tmp_path / "sub").mkdir()
+    if text is not None:
+        (tmp_path / "sub" / "defs.mtlx").write_text(text)
+    warnings = list(_Translate(tmp_path, _Including("sub/defs.mtlx")).Warnings())
+    assert any("looks.mtlx cannot be read" in warning and line in warning for warning in warnings), warnings

@@ -34,20 +34,22 @@ _layers = {}  # path -> layer as read last; an anonymous layer lives as long as 
 
 def ReplaceFiles(stage):
     """Points the stage's layers to what its .mtlx files say now. Returns (file, problem) of those it cannot read."""
-    problems = []
+    dependencies = _Dependencies(stage)
+    try:
+        definitions, problems = _StudioDefinitions() if dependencies else ([], [])
+    except ImportError:
+        return [(dependency, "needs the package MaterialX: pip install MaterialX") for _, dependency in dependencies]
     read = set()
     updates = []
-    for layer, dependency in _Dependencies(stage):
+    for layer, dependency in dependencies:
         path = layer.ComputeAbsolutePath(dependency)
         try:
             if path not in read:
-                _layers[path] = _ReadLayer(path)
+                _layers[path] = _ReadLayer(path, definitions)
                 read.add(path)
             updates.append((layer, dependency, _layers[path].identifier))
-        except ImportError:
-            problems.append((dependency, "needs the package MaterialX: pip install MaterialX"))
         except Exception as error:  # MaterialX's own errors have no common base
-            problems.append((dependency, f"cannot be read: {str(error).splitlines()[0] if str(error) else error!r}"))
+            problems.append((dependency, f"cannot be read: {_LineOf(error)}"))
     with Sdf.ChangeBlock():  # the stage is composed again once, not for each file
         for layer, dependency, identifier in updates:
             layer.UpdateCompositionAssetDependency(dependency, identifier)
@@ -79,24 +81,47 @@ def _Library():
     return library
 
 
-def _AddStudioDefinitions(document):
-    """The definitions of the files in the folders that usdMtlx looks in for a studio's own nodes."""
-    import MaterialX as mx
-    folders = [folder for folder in os.environ.get(_STUDIO_FOLDERS, "").split(os.pathsep) if folder]
-    for path in sorted(str(path) for folder in folders for path in pathlib.Path(folder).rglob("*.mtlx")):
-        definitions = mx.createDocument()
-        try:
-            mx.readFromXmlFile(definitions, path)
-        except Exception as error:  # MaterialX's own errors have no common base
-            raise ValueError(f"{path}, of {_STUDIO_FOLDERS}: {str(error).splitlines()[0] if str(error) else error!r}") from error
-        document.importLibrary(definitions)
+def _LineOf(error):
+    return str(error).splitlines()[0] if str(error) else repr(error)
 
 
-def _ReadLayer(path):
+def _ReadDocument(path):
+    """A document whose elements know the files that they come from, those of files that it includes too."""
     import MaterialX as mx
+
+    def Include(included, file, folders, options):  # MaterialX's own leaves the name as it is written there
+        folders.append(mx.getEnvironmentPath())
+        mx.readFromXmlFile(included, file, folders, options)
+        included.setSourceUri(os.path.abspath(folders.find(file).asString()))
+
+    options = mx.XmlReadOptions()
+    options.readXIncludeFunction = Include
     document = mx.createDocument()
-    mx.readFromXmlFile(document, path)
-    _AddStudioDefinitions(document)
+    mx.readFromXmlFile(document, path, mx.FileSearchPath(), options)
+    return document
+
+
+def _StudioDefinitions():
+    """The documents in the folders that usdMtlx looks in for a studio's own nodes, those that count first before
+    others, and (file, problem) of those that cannot be read."""
+    import MaterialX  # noqa: F401 - the lack of it is no problem of one file
+    folders = [folder for folder in os.environ.get(_STUDIO_FOLDERS, "").split(os.pathsep) if folder]
+    paths = [str(path) for folder in folders for path in sorted(pathlib.Path(folder).absolute().rglob("*.mtlx"))]
+    documents, problems = [], []
+    for path in dict.fromkeys(paths):  # a folder may lie in another
+        try:
+            documents.append(_ReadDocument(path))
+        except Exception as error:  # MaterialX's own errors have no common base
+            problems.append((path, f"of {_STUDIO_FOLDERS} cannot be read: {_LineOf(error)}"))
+    return documents, problems
+
+
+def _ReadLayer(path, studio=()):
+    import MaterialX as mx
+    document = _ReadDocument(path)
+    materials = document.getMaterialNodes()  # without the studio's
+    for definitions in studio:
+        document.importLibrary(definitions)  # of one name the first stays
     if hasattr(document, "setDataLibrary"):  # from 1.39 on a document refers to it
         document.setDataLibrary(_Library())
     else:
@@ -105,9 +130,8 @@ def _ReadLayer(path):
     stage = Usd.Stage.Open(layer)
     stage.SetDefaultPrim(stage.DefinePrim("/MaterialX"))
     stage.DefinePrim("/MaterialX/Materials")
-    for material in document.getMaterialNodes():
-        if material.getSourceUri() == "" or os.path.samefile(material.getSourceUri(), path):
-            _Material(stage, material, mx, os.path.dirname(path)).Write()
+    for material in materials:
+        _Material(stage, material, mx).Write()
     return layer
 
 
@@ -127,8 +151,8 @@ class _Material:
     Nodes that the file defines itself by node graphs are written as the nodes of those, as OpenUSD's own plug-in does.
     """
 
-    def __init__(self, stage, node, mx, folder):
-        self._stage, self._node, self._mx, self._folder = stage, node, mx, folder
+    def __init__(self, stage, node, mx):
+        self._stage, self._node, self._mx = stage, node, mx
         self._path = f"/MaterialX/Materials/{Tf.MakeValidIdentifier(node.getName())}"
         self._shaders = {}
 
@@ -226,7 +250,7 @@ class _Material:
     def _WriteValue(self, target, source):
         kind = source.getType()
         if kind == "filename":
-            folder = os.path.dirname(source.getActiveSourceUri()) or self._folder  # of a definition, that of its file
+            folder = os.path.dirname(source.getActiveSourceUri())  # of the file that says it: an included one, a definition's
             target.Set(Sdf.AssetPath(os.path.join(folder, source.getResolvedValueString())))
             space = source.getActiveColorSpace()
             if space:

@@ -5,6 +5,7 @@ import numpy as np
 from pxr import Gf, UsdGeom
 
 from hdstream import _core
+from hdstream.translate import valueClips
 from hdstream.translate.motion import ReadShutter
 from hdstream.typedValues import TypedValue
 
@@ -89,7 +90,7 @@ def _ReadAttributes(prim, timeCode):
 def _ReadLensSamples(prim, motion):
     """The lens while the shutter is open; empty when it is the same at all times."""
     attributes = [prim.GetAttribute(name) for name in ("focalLength", "fStop", "focusDistance")]
-    if not motion.isOn or not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+    if not motion.isOn or not any(valueClips.Varies(attribute) for attribute in attributes):
         return []
     samples = []
     for time in motion.times:

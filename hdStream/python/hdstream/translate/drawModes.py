@@ -13,6 +13,7 @@ import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
 from hdstream import _core
+from hdstream.translate import valueClips
 from hdstream.translate.circles import HasCircularInstancers
 from hdstream.translate.exrHeader import ReadMatrices
 from hdstream.translate.instanceArrays import InstanceGroup
@@ -238,7 +239,7 @@ class DrawModes:
 
     def _BoundsOf(self, prim):
         """The untransformed bounds, hints included; of the earliest time unless the prim's own vary."""
-        isVarying = any(attribute and attribute.ValueMightBeTimeVarying()
+        isVarying = any(attribute and valueClips.Varies(attribute)
                         for attribute in map(prim.GetAttribute, ("extent", "extentsHint")))
         if self._hasCircles is None:
             self._hasCircles = HasCircularInstancers(prim.GetStage())

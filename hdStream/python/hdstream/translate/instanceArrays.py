@@ -5,6 +5,7 @@ import numpy as np
 from pxr import UsdGeom, Vt
 
 from hdstream import _core
+from hdstream.translate import valueClips
 
 
 class InstanceGroup:
@@ -111,7 +112,7 @@ def _IsAtRest(instancer):
     moving = (instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
     arrays = (instancer.GetPositionsAttr(), _OrientationsAttr(instancer), instancer.GetScalesAttr())
     return (not any(attribute.HasAuthoredValue() for attribute in moving)
-            and not any(attribute.ValueMightBeTimeVarying() for attribute in arrays))
+            and not any(valueClips.Varies(attribute) for attribute in arrays))
 
 
 def _Rows(attribute, timeCode):

@@ -12,7 +12,7 @@ where they are as well, as UsdGeomPointInstancer says ("Processing and Not Proce
 from pxr import Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
-from hdstream.translate import primvars
+from hdstream.translate import primvars, valueClips
 from hdstream.translate.instanceArrays import InheritedKey, InstanceGroup, PointInstances
 from hdstream.translate.instancePrimvars import InstanceLevel, InstanceLevels, ReadInstancePrimvars
 from hdstream.translate.materials import FindBoundMaterials
@@ -100,6 +100,7 @@ class Instancers:
         state.hasCollections = group.state.hasCollections
         state.skelRoot = group.firstPrim if group.firstPrim.IsA(UsdSkel.Root) else None
         state.motion = group.state.motion
+        state.hasClips = group.state.hasClips
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
         placement = _core.Placement(State().matrix, context.instancerPath, context.instances)
         if inner.isPlacing:
@@ -175,6 +176,7 @@ class Instancers:
         while ancestor and not ancestor.IsPseudoRoot():
             chain.append(ancestor)
             ancestor = ancestor.GetParent()
+        state.hasClips = any(valueClips.AreOn(ancestor) for ancestor in chain)
         for ancestor in reversed(chain):
             state.AddBindings(ancestor, ancestor.GetAuthoredPropertyNames())
         return state

@@ -172,7 +172,9 @@ def _ReadFilterNode(prim, timeCode, assets):
         kind = next((str(value) for value in (each.Get() if each else None for each in ids) if value), "")
     parameters = {}
     connections = {}
-    for attribute in prim.GetAuthoredAttributes():
+    for attribute in prim.GetAttributes():
+        if not (attribute.IsAuthored() or attribute.HasAuthoredValue()):  # the second of value clips
+            continue
         name = attribute.GetName()
         isInput = name.startswith("inputs:")
         if not isInput and not (isOfHost and not name.startswith(_NO_FILTER_INPUTS)):

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, Vt
 
+from hdstream.translate import valueClips
 from hdstream.translate.primvars import FloatRows
 
 # Transforms are sampled at so many equal steps: they may turn by half a circle in each.
@@ -82,7 +83,7 @@ class Motion:
 
     def MatricesOf(self, prim, local, resets, inheritedMatrix, inheritedMatrices):
         """The matrices of a prim at `times`, composed with the inherited ones; None when they are all the same."""
-        isVarying = self.isOn and UsdGeom.Xformable(prim).TransformMightBeTimeVarying()
+        isVarying = self.isOn and valueClips.TransformVaries(prim)
         if not isVarying and (resets or inheritedMatrices is None):
             return None
         own = [xforms.GetLocalTransformation(prim)[0] for xforms in self._xforms] if isVarying else [local] * len(self.times)
@@ -113,9 +114,9 @@ class Motion:
         """(time, arrays) of a UsdGeomPointInstancer; velocities count."""
         if not self.isOn:
             return []
-        names = instancer.GetPrim().GetAuthoredPropertyNames()
+        curving = (instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
         times = self.TimesOf(instancer.GetPrim(), ("positions", "orientations", "orientationsf", "scales"),
-                             isCurved="accelerations" in names or "angularVelocities" in names)
+                             isCurved=any(attribute.HasAuthoredValue() for attribute in curving))
         arrays = instancer.ComputeInstanceTransformsAtTimes(
             [self.At(time) for time in times], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask)
@@ -124,7 +125,7 @@ class Motion:
     def PointSamplesOf(self, prim, names, count, warn, topology=()):
         """(time, points) of a PointBased prim; velocities count. `topology`: names of what must not change; where it
         does, velocities alone tell how the points of the frame move."""
-        if not self.isOn or not ("velocities" in names or prim.GetAttribute("points").ValueMightBeTimeVarying()):
+        if not self.isOn or not ("velocities" in names or valueClips.Varies(prim.GetAttribute("points"))):
             return []
         hasVelocities = "velocities" in names and self._HasVelocities(prim, count)
         if hasVelocities:
@@ -140,7 +141,7 @@ class Motion:
     def ArraySamplesOf(self, prim, name, count):
         """(time, values) of an attribute that has `count` of them; None where it has other numbers at some time."""
         attribute = prim.GetAttribute(name)
-        if not self.isOn or not attribute or not attribute.ValueMightBeTimeVarying():
+        if not self.isOn or not attribute or not valueClips.Varies(attribute):
             return []
         times = self.TimesOf(prim, (name,))
         arrays = [attribute.Get(self.At(time)) for time in times]
@@ -154,7 +155,7 @@ class Motion:
         return len(velocities.Get(self.timeCode) or ()) == count and bool(samples[0]) and samples[0] == samples[1]
 
     def _Changes(self, attribute):
-        if not attribute or not attribute.ValueMightBeTimeVarying():
+        if not attribute or not valueClips.Varies(attribute):
             return False
         values = [attribute.Get(self.At(time)) for time in (0.0, *self.TimesOf(attribute.GetPrim(), (attribute.GetName(),)))]
         return any(value != values[0] for value in values)
@@ -173,7 +174,7 @@ class Motion:
             return []
         attribute = prim.GetAttribute(attributeName)
         indices = prim.GetAttribute(attributeName + ":indices")
-        if not attribute.ValueMightBeTimeVarying() or (indices and indices.ValueMightBeTimeVarying()):
+        if not valueClips.Varies(attribute) or (indices and valueClips.Varies(indices)):
             return []
         times = self.TimesOf(prim, (attributeName,))
         arrays = [FloatRows(attribute.Get(self.At(time)), attribute) for time in times]

@@ -20,7 +20,8 @@ class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "matrices", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections", "drawMode", "skelRoot", "skelBindings", "ofPass", "motion", "way")
+                 "hasCollections", "drawMode", "skelRoot", "skelBindings", "ofPass", "motion", "way",
+                 "hasClips")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
@@ -37,6 +38,12 @@ class State:
         self.skelRoot = None            # the SkelRoot prim around, below which prims may be skinned
         self.skelBindings = {}          # name of a relationship of UsdSkelBindingAPI -> paths of its targets
         self.ofPass = None              # the prim's own Membership, not inherited; None: there is no pass
+        self.hasClips = False           # value clips may hold attributes of the prim that no layer declares
+
+    def WithClips(self):
+        copy = self.Copy()
+        copy.hasClips = True
+        return copy
 
     def Copy(self):
         copy = State.__new__(State)

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Tf, Vt
 
 from hdstream import _core
+from hdstream.translate import valueClips
 from hdstream.translate.colorSpaces import ColorSpaceOfColor
 from hdstream.translate.rereading import Again
 
@@ -141,8 +142,10 @@ def InheritableAbove(prim, timeCode, endsByPath):
         ancestors.append(parent)
         parent = parent.GetParent()
     inherited = {}
+    hasClips = False
     for ancestor in reversed(ancestors):
-        inherited = InheritFrom(ancestor, ancestor.GetAuthoredPropertyNames(), inherited, timeCode)
+        hasClips = hasClips or valueClips.AreOn(ancestor)
+        inherited = InheritFrom(ancestor, valueClips.NamesOf(ancestor, hasClips), inherited, timeCode)
         ended = endsByPath.get(ancestor.GetPath())
         if ended:
             inherited = {name: entry for name, entry in inherited.items() if name not in ended}

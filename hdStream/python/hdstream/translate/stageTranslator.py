@@ -97,7 +97,8 @@ class StageTranslator:
         state = State()
         for ancestor in ancestors:
             info = self._types.get(ancestor.GetTypeName()) or self._AddType(ancestor)
-            state = self._StateOf(ancestor, info, ancestor.GetAuthoredPropertyNames(), state)
+            state = state.WithClips() if valueClips.AreOn(ancestor) else state
+            state = self._StateOf(ancestor, info, valueClips.NamesOf(ancestor, state.hasClips), state)
         self._Translate([prim], state)
 
     def TranslateMaterial(self, prim):
@@ -168,10 +169,11 @@ class StageTranslator:
             return None
         self.numPrims += 1
         info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
-        names = prim.GetAuthoredPropertyNames()
-        state = self._StateOf(prim, info, names, inherited) if names else inherited
-        if not info.isLeaf:  # asking each gprim too would cost as much as its names
+        if valueClips.AreOn(prim):
             self._WarnOfClips(prim)
+            inherited = inherited.WithClips()
+        names = valueClips.NamesOf(prim, inherited.hasClips)
+        state = self._StateOf(prim, info, names, inherited) if names else inherited
         if info.isSkelRoot:
             state = state.Copy()
             state.skelRoot = prim
@@ -318,7 +320,6 @@ class StageTranslator:
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
             prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, self._SkinOf(prim, names, state))
         if mesh is None:
-            self._WarnOfClips(prim)
             if lights.IsLight(prim):
                 self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
@@ -326,9 +327,8 @@ class StageTranslator:
 
     def _WarnOfClips(self, prim):
         """Names the files of a prim's own value clips that are not there."""
-        if prim.HasAuthoredMetadata(valueClips.METADATA):
-            for text in valueClips.MissingClips(prim):
-                self._reports.Warn(prim, text)
+        for text in valueClips.MissingClips(prim):
+            self._reports.Warn(prim, text)
 
     def _OnTetMesh(self, prim, schema, names, state, context):
         return self._AddConverted(meshes.ReadTetMesh, prim, names, state, context)
@@ -345,7 +345,7 @@ class StageTranslator:
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
             prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
-        return self._AddMesh(prim, names, mesh, state, context)
+        return self._AddMesh(prim, names, mesh, state, context, isPlane=schema == "Plane")
 
     def _OnCurves(self, prim, schema, names, state, context):
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self.MotionOf(state),
@@ -399,7 +399,7 @@ class StageTranslator:
         kept = self._kept.get(context.ScenePath(prim)) if self._kept else None
         return kept.geometry if kept else None
 
-    def _AddMesh(self, prim, names, mesh, state, context):
+    def _AddMesh(self, prim, names, mesh, state, context, isPlane=False):
         """Adds a mesh; returns the state of what is below it, None where nothing is."""
         subsets = []
         subsetPrims = []
@@ -419,7 +419,7 @@ class StageTranslator:
             if subsets:
                 mesh.subsets = subsets
             geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
-        if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
+        if "doubleSided" in names or isPlane:  # whose fallback is true
             geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         self._ReadMeshLight(prim, names, geometryPrim)
         if state.ofPass:

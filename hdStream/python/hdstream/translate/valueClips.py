@@ -1,15 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of value clips that are not there. OpenUSD names neither the prim nor the files of a template."""
+"""Value clips: attributes that only they hold, and files of theirs that are not there.
+
+Of attributes that no layer declares OpenUSD finds the values, where the schema has them and the manifest of the clips too, but
+it does not name them as authored. Of missing files it names neither the prim nor those of a template.
+"""
 
 import math
 
-from pxr import Ar, Sdf, Usd
+from pxr import Ar, Sdf, Usd, UsdGeom
 
 METADATA = "clips"
 
 
+def AreOn(prim):
+    """Whether a prim has clips of its own, which may hold values of all prims at and below it."""
+    return prim.HasAuthoredMetadata(METADATA)
+
+
+def NamesOf(prim, hasClips):
+    """Names of the properties that a prim says something of. `hasClips`: it or a prim above it has clips."""
+    if not hasClips:  # looking at all that a schema has takes much longer
+        return prim.GetAuthoredPropertyNames()
+    return [found.GetName() for found in prim.GetProperties()
+            if found.IsAuthored() or isinstance(found, Usd.Attribute) and found.HasAuthoredValue()]
+
+
+def Varies(attribute):
+    """ValueMightBeTimeVarying, which OpenUSD denies of what clips hold for prims of instances."""
+    if attribute.ValueMightBeTimeVarying():
+        return True
+    prim = attribute.GetPrim()
+    return prim.IsInstanceProxy() and prim.GetPrimInPrototype().GetAttribute(attribute.GetName()).ValueMightBeTimeVarying()
+
+
+def TransformVaries(prim):
+    """The same of TransformMightBeTimeVarying."""
+    return UsdGeom.Xformable(prim).TransformMightBeTimeVarying() or (
+        prim.IsInstanceProxy() and UsdGeom.Xformable(prim.GetPrimInPrototype()).TransformMightBeTimeVarying())
+
+
 def MissingClips(prim):
-    """What is wrong with the files of a prim's clip sets, a line each; METADATA is authored on the prim."""
+    """What is wrong with the files of a prim's clip sets, a line each; AreOn(prim)."""
     clips = Usd.ClipsAPI(prim)
     texts = []
     for name, clipSet in clips.GetClips().items():
