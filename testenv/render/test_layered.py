@@ -203,23 +203,6 @@ def test_clear_thin_walls_pass_shadow_rays(tmp_path, identifier, roughness, isCl
     assert (picture.rgb.mean() > 0.1) == isClear, picture.rgb.mean()
 
 
-@pytest.mark.parametrize("identifier, name", [(STANDARD, "thin_walled"), (OPEN_PBR, "geometry_thin_walled")])
-def test_a_thin_wall_by_a_network_that_varies_is_told(tmp_path, identifier, name):
-    stage = author.NewStage(str(tmp_path / "stage.usda"))
-    material = AddSurface(stage, "/World/Look", identifier)
-    test, _ = AddNode(stage, "/World/Look/Test", "ND_ifgreater_floatB", Sdf.ValueTypeNames.Bool, value2=0.5)
-    reader, _ = AddNode(stage, "/World/Look/Reader", "ND_geompropvalue_float", Sdf.ValueTypeNames.Float, geomprop="wear")
-    test.CreateInput("value1", Sdf.ValueTypeNames.Float).ConnectToSource(reader.GetOutput("out"))
-    UsdShade.Shader.Get(stage, "/World/Look/Surface").CreateInput(name, Sdf.ValueTypeNames.Bool).ConnectToSource(test.GetOutput("out"))
-    author.AddMesh(stage, "/World/Ball", shapes.Sphere(1.0, 8, 16), material=material)
-    author.AddCamera(stage)
-    author.AddLight(stage, "/World/Light", "Dome")
-    stage.GetRootLayer().Save()
-    said = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
-    assert [text for text in said if name in text] == [
-        f"/World/Look: {name} of /World/Look/Surface: varies, which is not supported, and counts as false"], said
-
-
 @pytest.mark.parametrize("identifier, name", [(STANDARD, "thin_walled"), (OPEN_PBR, "geometry_thin_walled"), ("ND_surface", "thin_walled")])
 def test_a_thin_wall_by_a_network_that_varies_is_told(tmp_path, identifier, name):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
