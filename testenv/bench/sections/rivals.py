@@ -11,7 +11,7 @@ from bench import rivalsLadder
 from bench.performancePage import LeftOut, Table
 
 _PROGRAM = pathlib.Path(__file__).resolve().parents[1] / "rivals.py"
-_SIZES = ("--width", "320", "--reference", "256", "--repeat", "3", "--limit", "900")
+_SIZES = ("--width", "240", "--reference", "256", "--repeat", "3", "--longest", "20", "--limit", "300")
 _RENDERERS = ("hdstream", "mitsuba scalar", "mitsuba llvm", "mitsuba preview", "cycles")  # streaming has a section of its own
 _MINE = _RENDERERS[0]
 _ERRORS = (0.01, 0.001)
