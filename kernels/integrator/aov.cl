@@ -396,4 +396,5 @@ kernel void aov_firstHit(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, g
         aov_store(frame, &scene, paths, queue[item], waitQueue, nextQueue, counters, floats, ints,
                   offsets, primvarSlots);
     }
+    HDS_SCENE_END(scene);
 }

@@ -116,4 +116,5 @@ kernel void occlusion_steps(HDS_SCENE_ARGS, constant const HdsFrameParams* frame
     HDS_FOR_ITEMS(item, count) {
         occlusion_step(frame, &scene, paths, queue[item], distance, waitQueue, nextQueue, counters);
     }
+    HDS_SCENE_END(scene);
 }

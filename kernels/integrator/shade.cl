@@ -276,6 +276,7 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
         }
     }
 #endif
+    HDS_SCENE_END(scene);
     items_flush(&lists.next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
     items_flush(&lists.shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
 #if HDS_FEATURE_DOME_GUIDE

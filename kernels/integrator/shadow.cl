@@ -228,9 +228,7 @@ bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
                       const HdsSurfaceHit* surface, float3 viewer, float t) {
 #if HDS_FEATURE_VOLUMES
-    const bool isDimmed = volumeShadow_dim(scene, paths, i, t);
-    texture_count(&scene->textures);
-    if (!isDimmed) {
+    if (!volumeShadow_dim(scene, paths, i, t)) {
         return false;
     }
 #endif
@@ -249,9 +247,7 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 /* Ends a shadow ray that nothing but volumes is in the way of. */
 void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* readyQueue,
                         volatile global uint* counters) {
-    const bool isDone = volumeShadow_dim(scene, paths, i, path_load_shadowOrigin(paths, i).w);
-    texture_count(&scene->textures);
-    if (!isDone) {
+    if (!volumeShadow_dim(scene, paths, i, path_load_shadowOrigin(paths, i).w)) {
         surfaceMaterial_waitForTexels(scene, i);
         return;
     }
@@ -331,6 +327,12 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+#if HDS_PASSES_SHADOWS_AT_ONCE
+    uint numPasses = 0u;
+#else
+    HdsItemList candidates;
+    candidates.count = 0u;
+#endif
     HDS_FOR_ITEMS(item, count) {
         uint i = queue[item];
         HdsHit candidate;
@@ -340,16 +342,24 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                    trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate),
                    &candidate, readyQueue, counters) &&
                shadow_passCandidate(&scene, paths, i, waitQueue, readyQueue, counters)) {
-            atomic_inc(&counters[HDS_COUNTER_SHADOW]);
+            ++numPasses;
         }
 #else
         const uint found =
             trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
         if (shadow_decide(&scene, paths, i, found, &candidate, readyQueue, counters)) {
-            queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+            items_append(&candidates, i);
         }
 #endif
     }
+    HDS_SCENE_END(scene);
+#if HDS_PASSES_SHADOWS_AT_ONCE
+    if (numPasses > 0u) {
+        atomic_add(&counters[HDS_COUNTER_SHADOW], numPasses);
+    }
+#else
+    items_flush(&candidates, candidateQueue, &counters[HDS_COUNTER_SHADOW]);
+#endif
 }
 
 #if HDS_FEATURE_STREAMING
@@ -361,6 +371,8 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                           global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+    HdsItemList candidates;
+    candidates.count = 0u;
     HDS_FOR_ITEMS(item, count) {
 #if HDS_WAIT_LISTS
         if (item + HDS_FETCH_AHEAD < itemsEnd) {
@@ -372,9 +384,10 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
         const uint found =
             trace_resumeOccluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
         if (shadow_decide(&scene, paths, i, found, &candidate, readyQueue, counters)) {
-            queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+            items_append(&candidates, i);
         }
     }
+    items_flush(&candidates, candidateQueue, &counters[HDS_COUNTER_SHADOW]);
 }
 #endif
 
@@ -388,11 +401,15 @@ kernel void shadow_pass(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+    HdsItemList passed;
+    passed.count = 0u;
     HDS_FOR_ITEMS(item, count) {
         const uint i = candidateQueue[item];
         if (shadow_passCandidate(&scene, paths, i, waitQueue, readyQueue, counters)) {
-            queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);
+            items_append(&passed, i);
         }
     }
+    HDS_SCENE_END(scene);
+    items_flush(&passed, queue, &counters[HDS_COUNTER_SHADOW]);
 }
 #endif

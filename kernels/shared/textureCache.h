@@ -30,14 +30,16 @@
 #define HDS_TEXELS_CAPACITY 2      /* requests that the list holds */
 #define HDS_TEXELS_SET_BEGIN 3     /* word at which the set begins */
 #define HDS_TEXELS_SET_MASK 4      /* words of the set, a power of two, less 1 */
-#define HDS_TEXELS_NUM_REQUESTS 5  /* may exceed the capacity */
-#define HDS_TEXELS_NUM_DROPPED 6   /* requests that found no place */
-#define HDS_TEXELS_NUM_FALLBACKS 7 /* texels of a coarser mip that were accepted */
-#define HDS_TEXELS_LOOKUPS 8       /* [HDS_TEXELS_COUNTERS], by work-items: texels read */
+/* From here on kernels write: every look-up reads what is above, so that has a cache line to
+ * itself. */
+#define HDS_TEXELS_NUM_REQUESTS 16  /* may exceed the capacity */
+#define HDS_TEXELS_NUM_DROPPED 17   /* requests that found no place */
+#define HDS_TEXELS_NUM_FALLBACKS 18 /* texels of a coarser mip that were accepted */
+#define HDS_TEXELS_LOOKUPS 32       /* [HDS_TEXELS_COUNTERS], by work-items: texels read */
 #define HDS_TEXELS_MISSES \
-    40 /* [HDS_TEXELS_COUNTERS], by work-items: texels whose line was missing */
+    64 /* [HDS_TEXELS_COUNTERS], by work-items: texels whose line was missing */
 #define HDS_TEXELS_COUNTERS 32u
-#define HDS_TEXELS_HEADER 72 /* here the list begins */
+#define HDS_TEXELS_HEADER 96 /* here the list begins */
 /* Words of the set that a request tries. */
 #define HDS_TEXELS_PROBES 8u
 
