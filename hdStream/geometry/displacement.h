@@ -22,6 +22,13 @@ struct AmountRange {
     double high = 0.0;
 };
 
+/// Attributes of a mesh whose shading adds what its triangles leave of its displacement
+/// (docs/geometry.md, "What dicing leaves"): how far its points have moved, in object space, and
+/// the normals that it had before; surfaces without normals have none. No primvar has such a name,
+/// and all come before them.
+constexpr const char* kMovedBy = "~movedBy";
+constexpr const char* kRestNormals = "~restNormals";
+
 /// A primvar that an amount reads.
 struct AmountPrimvar {
     std::vector<std::string> names;  ///< the first that the mesh has

@@ -113,9 +113,9 @@ struct BlockMeasure {
 class PolygonSource final : public ChunkSource {
 public:
     PolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
-                  const Displacement& displacement, Warnings& warnings)
+                  const Displacement& displacement, Warnings& warnings, bool keepsRest)
         : _mesh(std::move(mesh)), _displacement(displacement), _log(primPath, warnings),
-          _keys(_mesh->keys.size()) {
+          _keys(_mesh->keys.size()), _keepsRest(keepsRest) {
         const FaceTable table = BuildFaceTable(*_mesh);
         CheckHeader(*_mesh, table, _log);
         _isLeftHanded = _mesh->leftHanded;
@@ -165,6 +165,7 @@ public:
             maxTriangles += GroupTriangles(groups[i]);
         }
         chunk.attributes = _values;
+        chunk.attributes.insert(chunk.attributes.end(), _rest.begin(), _rest.end());
         chunk.normals = _normals;
         chunk.triangles.reserve(maxTriangles);
         chunk.primIds.reserve(maxTriangles);
@@ -329,9 +330,27 @@ private:
         if (!_displacement.empty()) {
             SetReach();
         }
-        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty(), NumPoses());
-        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(), NumPoses(),
+        std::vector<GeometryAttribute> attributes = _values;
+        if (_keepsRest && _keys.empty() && _range.low != _range.high) {
+            DescribeRest(normals.has_value());
+            attributes.insert(attributes.end(), _rest.begin(), _rest.end());
+        }
+        _boundBytes = BoundTriangleBytes(attributes, normals, !_entries.empty(), NumPoses());
+        _meanBytes = MeanTriangleBytes(attributes, normals, !_entries.empty(), NumPoses(),
                                        VerticesPerTriangle(_size.numPoints, _numTriangles));
+    }
+
+    /// The attributes of which ReadValues makes the values.
+    void DescribeRest(bool hasNormals) {
+        for (const char* name : {kMovedBy, kRestNormals}) {
+            if (name == kMovedBy || hasNormals) {
+                GeometryAttribute& attribute = _rest.emplace_back();
+                attribute.name = name;
+                attribute.interpolation = Interpolation::Vertex;
+                attribute.numComponents = 3;
+                _attributes.push_back({attribute.name, attribute.numComponents});
+            }
+        }
     }
 
     /// How far displacement moves points at most, with the rounding of what is moved.
@@ -352,21 +371,34 @@ private:
     }
 
     /// Moves the points of a pose along the smooth normals of the mesh as it was, and by vectors.
-    /// \return smooth normals of the moved mesh, where those are the mesh's.
+    /// \param rest values of _rest; may be null \return smooth normals of the moved mesh, where
+    /// those are the mesh's.
     std::optional<GeometryAttribute> Displace(const SharedSpan<float>& points,
-                                              std::vector<glm::vec3>* moved) const {
+                                              std::vector<glm::vec3>* moved,
+                                              std::vector<GeometryAttribute>* rest) const {
         TriangleMesh whole = Whole(points);
         const GeometryAttribute smooth = ComputeSmoothNormals(whole);
         const std::vector<float> amounts =
             PointAmounts(*_mesh, points, _range, _entries, _values, _displacement);
         const std::vector<glm::dvec3> vectors =
             PointVectors(*_mesh, points, smooth, _range, _entries, _values, _displacement);
+        std::vector<float> movedBy;
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
             const float* n = ValueOf(smooth, i);
-            glm::dvec3 position = glm::dvec3(whole.positions[i]) +
-                                  static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]);
+            const glm::dvec3 before(whole.positions[i]);
+            glm::dvec3 position =
+                before + static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]);
             position += vectors.empty() ? glm::dvec3(0.0) : vectors[i];
+            const glm::vec3 way(position - before);
+            movedBy.insert(movedBy.end(), &way.x, &way.x + 3);
             whole.positions[i] = glm::vec3(position);
+        }
+        if (rest != nullptr && !rest->empty()) {
+            (*rest)[0].values = std::move(movedBy);
+            if (rest->size() > 1) {
+                (*rest)[1].values = smooth.values;
+                (*rest)[1].indices = smooth.indices;
+            }
         }
         std::optional<GeometryAttribute> normals;
         if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {
@@ -397,7 +429,7 @@ private:
         for (std::size_t i = 0; i < _keys.size(); ++i) {
             const ShutterKey& key = _mesh->keys[i];
             if (!_displacement.empty()) {
-                const auto normals = Displace(key.points, &_keys[i].moved);
+                const auto normals = Displace(key.points, &_keys[i].moved, nullptr);
                 _keys[i].normals = normals ? normals->values : SharedSpan<float>();
             } else if (!IsPolygonal(_mesh->subdivisionScheme)) {
                 _keys[i].normals = Whole(key.points).normals.values;
@@ -424,7 +456,7 @@ private:
             return;
         }
         if (!_displacement.empty()) {
-            if (auto normals = Displace(_mesh->points, &_moved)) {
+            if (auto normals = Displace(_mesh->points, &_moved, &_rest)) {
                 _normals = std::move(*normals);
             }
             return;
@@ -482,14 +514,17 @@ private:
     mutable GeometryAttribute _normals;    ///< final once ReadValues has run
     mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
     mutable std::vector<Key> _keys;        ///< of _mesh->keys
+    bool _keepsRest;
+    mutable std::vector<GeometryAttribute> _rest; ///< kMovedBy, kRestNormals; values as _normals'
 };
 
 } // namespace
 
 std::shared_ptr<const ChunkSource>
 MakePolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
-                  const Displacement& displacement, Warnings& warnings) {
-    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement, warnings);
+                  const Displacement& displacement, Warnings& warnings, bool keepsRest) {
+    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement, warnings,
+                                                 keepsRest);
 }
 
 } // namespace hds

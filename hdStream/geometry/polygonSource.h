@@ -18,9 +18,10 @@ namespace hds {
 /// primvars are looked at when the first chunk is gathered, with their warnings.
 /// Cost: one pass over the faces, on all cores.
 /// \param displacement moves the points along smooth normals; shading normals are those of the
-/// moved triangles then. \param warnings must outlive the source.
+/// moved triangles then. \param keepsRest as MakeSubdivSource. \param warnings must outlive the
+/// source.
 std::shared_ptr<const ChunkSource>
 MakePolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
-                  const Displacement& displacement, Warnings& warnings);
+                  const Displacement& displacement, Warnings& warnings, bool keepsRest = false);
 
 } // namespace hds

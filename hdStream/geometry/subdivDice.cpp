@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <unordered_map>
 
@@ -72,6 +73,7 @@ public:
             _chunk.points[i] = static_cast<std::uint32_t>(i);
         }
         FinishNormals();
+        std::vector<GeometryAttribute> rest = TakeRest();
         for (std::size_t i = 0; i < _values.size(); ++i) {
             GeometryAttribute attribute = _model.Primvars()[i].attribute;
             const Interpolation interpolation = attribute.interpolation;
@@ -85,6 +87,7 @@ public:
             }
             _chunk.attributes.push_back(std::move(attribute));
         }
+        std::move(rest.begin(), rest.end(), std::back_inserter(_chunk.attributes));
         return std::move(_chunk);
     }
 
@@ -172,8 +175,13 @@ private:
             if (!_model.IsFlat()) {
                 Append(point.normal, normals);
             }
+            return point;
         };
-        add(_points, _chunk.positions, _normals);
+        const SurfacePoint opening = add(_points, _chunk.positions, _normals);
+        if (_dice.keepsRest) {
+            Append(opening.movedBy, _movedBy);
+            Append(opening.restNormal, _restNormals);
+        }
         for (std::size_t i = 0; i < _keys.size(); ++i) {
             add(*_keys[i].points, _chunk.keys[i].positions, _keys[i].normals);
         }
@@ -213,6 +221,9 @@ private:
         if (const auto side = SideNormal(_points, location)) {
             _cornerNormals.back() = -1 - static_cast<std::int32_t>(_sideNormals.size() / 3);
             Append(*side, _sideNormals);
+            if (_dice.keepsRest) {
+                Append(_points.RestNormal({_face, location.at}), _sideRestNormals);
+            }
             for (Key& key : _keys) {
                 Append(*SideNormal(*key.points, location), key.sideNormals);
             }
@@ -292,6 +303,29 @@ private:
         }
     }
 
+    /// What shading needs to know of the undisplaced surface; \pre the normals are finished.
+    std::vector<GeometryAttribute> TakeRest() {
+        std::vector<GeometryAttribute> rest;
+        if (!_dice.keepsRest) {
+            return rest;
+        }
+        GeometryAttribute movedBy;
+        movedBy.name = kMovedBy;
+        movedBy.numComponents = 3;
+        movedBy.interpolation = Interpolation::Vertex;
+        movedBy.values = std::move(_movedBy);
+        rest.push_back(std::move(movedBy));
+        if (!_model.IsFlat()) {
+            GeometryAttribute normals = _chunk.normals; // per corner where those are
+            normals.name = kRestNormals;
+            _restNormals.insert(_restNormals.end(), _sideRestNormals.begin(),
+                                _sideRestNormals.end());
+            normals.values = std::move(_restNormals);
+            rest.push_back(std::move(normals));
+        }
+        return rest;
+    }
+
     const SubdivDice& _dice;
     const SubdivModel& _model;
     SubdivPoints _points;
@@ -310,6 +344,9 @@ private:
     std::vector<float> _normals;              ///< [vertices][3]
     std::vector<std::int32_t> _cornerNormals; ///< [corners] vertex, or -1 - side normal
     std::vector<float> _sideNormals;
+    std::vector<float> _movedBy; ///< as _normals, with the next two: of the opening
+    std::vector<float> _restNormals;
+    std::vector<float> _sideRestNormals;     ///< as _sideNormals
     std::vector<std::vector<float>> _values; ///< by primvar
     std::vector<double> _vertexRow;
     std::vector<double> _varyingRow;

@@ -22,6 +22,7 @@ struct SubdivDice {
     std::vector<std::uint32_t> faceGroups;     ///< [cage faces + 1] first group
     std::vector<std::uint32_t> groupTriangles; ///< [groups + 1] first primId
     glm::dvec3 origin{0.0};
+    bool keepsRest = false; ///< chunks have kMovedBy and, unless flat, kRestNormals
 
     /// Upper bounds of all groups together.
     struct Counts {

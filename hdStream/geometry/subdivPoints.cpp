@@ -235,8 +235,7 @@ glm::dvec3 SubdivPoints::Normal(const FaceLocation& location) {
     if (_displacement.IsActive() && !_displacement.IsConstant()) {
         return DisplacedNormal(location);
     }
-    const FaceSurface& surface = _surfaces.At(location.face);
-    return surface.Normal(location.at, surface.Frame(location.at));
+    return RestNormal(location);
 }
 
 /// \param locations the same point on each drawn face that has it, the owner first.
@@ -245,7 +244,7 @@ SurfacePoint SubdivPoints::Shared(const std::vector<FaceLocation>& locations, bo
     const FaceSurface& surface = _surfaces.At(owner.face);
     const SurfaceFrame frame = surface.Frame(owner.at);
     glm::dvec3 direction = surface.Normal(owner.at, frame);
-    SurfacePoint point{frame.point, direction};
+    SurfacePoint point{frame.point, direction, glm::dvec3(0.0), direction};
     if (!_displacement.IsActive()) {
         return point;
     }
@@ -268,6 +267,7 @@ SurfacePoint SubdivPoints::Shared(const std::vector<FaceLocation>& locations, bo
     if (_displacement.hasVectors) {
         point.position += vector / double(locations.size());
     }
+    point.movedBy = point.position - frame.point;
     point.normal = Normal(owner);
     return point;
 }
@@ -301,6 +301,11 @@ SurfacePoint SubdivPoints::Vertex(int vertex) {
         }
     }
     return Shared(_locations, _model.IsSharpVertex(vertex));
+}
+
+glm::dvec3 SubdivPoints::RestNormal(const FaceLocation& location) {
+    const FaceSurface& surface = _surfaces.At(location.face);
+    return surface.Normal(location.at, surface.Frame(location.at));
 }
 
 glm::dvec3 SubdivPoints::EdgeSideNormal(const FaceLocation& location) {

@@ -33,6 +33,8 @@ struct FaceLocation {
 struct SurfacePoint {
     glm::dvec3 position{0.0};
     glm::dvec3 normal{0.0};
+    glm::dvec3 movedBy{0.0};    ///< from where it lies undisplaced
+    glm::dvec3 restNormal{0.0}; ///< unit, undisplaced
 };
 
 /// Evaluates points for one piece of work. Externally synchronised.
@@ -56,6 +58,8 @@ public:
     /// faces on the same side of the sharp edges there.
     glm::dvec3 EdgeSideNormal(const FaceLocation& location);
     glm::dvec3 VertexSideNormal(int vertex, int face);
+    /// Of the undisplaced surface of a face.
+    glm::dvec3 RestNormal(const FaceLocation& location);
 
     FaceSurface& Surface(int face) { return _surfaces.At(face); }
 

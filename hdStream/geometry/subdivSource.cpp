@@ -50,14 +50,16 @@ void RaiseTo(std::uint8_t level, std::atomic<std::uint8_t>* highest) {
 class SubdivSource final : public SubdivChunkSource {
 public:
     SubdivSource(std::unique_ptr<const SubdivModel> model, const std::string& primPath,
-                 const DicingOptions& options, const Displacement& displacement,
-                 Warnings& warnings) {
+                 const DicingOptions& options, const Displacement& displacement, Warnings& warnings,
+                 bool keepsRest) {
         _dice.model = std::move(model);
         MakeKeyModels(primPath);
         PrimLog log(primPath, warnings);
         _dice.entries = AssignSubsets(Model().Mesh(), log);
         _isLeftHanded = Model().Mesh().leftHanded;
         BindDisplacement(displacement, log);
+        _dice.keepsRest = keepsRest && _dice.displacement.IsActive() &&
+                          !_dice.displacement.IsConstant() && _dice.keyModels.empty();
         std::vector<ExactBox> faceBoxes(Model().NumFaces());
         MeasureFaces(options, faceBoxes);
         ChooseOrigin(faceBoxes);
@@ -146,6 +148,22 @@ private:
         for (const SubdivPrimvar& primvar : Model().Primvars()) {
             attributes.push_back(primvar.attribute);
             _attributes.push_back({primvar.attribute.name, primvar.attribute.numComponents});
+        }
+        std::vector<GeometryAttribute> rest;
+        if (_dice.keepsRest) {
+            rest.emplace_back();
+            rest.back().name = kMovedBy;
+            rest.back().interpolation = Interpolation::Vertex;
+            if (!Model().IsFlat()) {
+                rest.emplace_back();
+                rest.back().name = kRestNormals;
+                rest.back().interpolation = Interpolation::FaceVarying; // at most
+            }
+        }
+        for (GeometryAttribute& attribute : rest) {
+            attribute.numComponents = 3;
+            attributes.push_back(attribute);
+            _attributes.push_back({attribute.name, attribute.numComponents});
         }
         const auto normalsAs = [&](Interpolation interpolation) {
             return Model().IsFlat() ? std::nullopt : std::optional<Interpolation>(interpolation);
@@ -269,14 +287,14 @@ bool IsSubdivisionScheme(const std::string& scheme) {
 
 std::shared_ptr<const SubdivChunkSource>
 MakeSubdivSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
-                 const DicingOptions& options, const Displacement& displacement,
-                 Warnings& warnings) {
+                 const DicingOptions& options, const Displacement& displacement, Warnings& warnings,
+                 bool keepsRest) {
     auto model = SubdivModel::Make(std::move(mesh), primPath, warnings);
     if (!model) {
         return nullptr;
     }
     return std::make_shared<SubdivSource>(std::move(model), primPath, options, displacement,
-                                          warnings);
+                                          warnings, keepsRest);
 }
 
 } // namespace hds

@@ -30,12 +30,13 @@ public:
 /// \return null, with a warning, when OpenSubdiv refuses the mesh: its cage is drawn as polygons
 /// then. Null too when no face can be used, with the warnings of MakePolygonSource. Never throws on
 /// content.
-/// \param warnings must outlive the source: values of primvars are looked at when the first chunk
-/// is gathered. Cost: one evaluation of OpenSubdiv per cage face, on all cores.
-/// Precondition: IsSubdivisionScheme(mesh->subdivisionScheme).
+/// \param keepsRest chunks of a mesh whose displacement varies, and which does not deform, have
+/// kMovedBy and kRestNormals (displacement.h). \param warnings must outlive the source: values of
+/// primvars are looked at when the first chunk is gathered. Cost: one evaluation of OpenSubdiv per
+/// cage face, on all cores. Precondition: IsSubdivisionScheme(mesh->subdivisionScheme).
 std::shared_ptr<const SubdivChunkSource>
 MakeSubdivSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
-                 const DicingOptions& options, const Displacement& displacement,
-                 Warnings& warnings);
+                 const DicingOptions& options, const Displacement& displacement, Warnings& warnings,
+                 bool keepsRest = false);
 
 } // namespace hds

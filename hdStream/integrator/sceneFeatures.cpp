@@ -60,8 +60,10 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.programs = buffers.HasPrograms() || scene.hasPatterns;
     features.patterns = scene.hasPatterns || scene.hasClosures; // a factor alone computes nothing
     features.closures = scene.hasClosures;
+    features.autobump = scene.hasAutobump;
     features.lobes = scene.lobes;
-    features.textures = buffers.HasTextures();
+    // Ray cones say how far aside a displaced surface is looked at.
+    features.textures = buffers.HasTextures() || scene.hasAutobump;
     features.instancePrimvars = buffers.HasInstancePrimvars();
     features.lightShaping = scene.lights->hasShaping;
     features.lightControls = scene.lights->hasControls;

@@ -67,6 +67,7 @@ private:
         _result->primMaterials = Handed(&_materials.primMaterials);
         _result->programs = Handed(&_materials.programs);
         _result->hasClosures = HasClosures(_result->programs);
+        _result->hasAutobump = HasAutobump(_result->programs);
         _result->lobes = _materials.lobes;
         _result->hasMedia = _materials.hasMedia;
         _result->hasHair = _materials.hasHair;

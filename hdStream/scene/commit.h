@@ -61,6 +61,7 @@ struct CommitOptions {
     bool keepsNames = false;                ///< of prims and materials
     std::string workingSpace;  ///< of all colours; empty: the configuration's scene_linear role
     bool glassShadows = false; ///< shadow rays pass smooth refracting surfaces straight
+    bool autobump = true;      ///< shading adds what dicing leaves of displacement
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
     Shutter shutter; ///< closed: no motion blur
@@ -74,7 +75,8 @@ struct CommitOptions {
             HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),
             HDS_FIELD(CommitOptions, shownPrimvars), HDS_FIELD(CommitOptions, keepsNames),
             HDS_FIELD(CommitOptions, workingSpace), HDS_FIELD(CommitOptions, glassShadows),
-            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, autobump), HDS_FIELD(CommitOptions, dicingCamera),
+            HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -172,6 +174,7 @@ struct CommittedScene : CommittedPrims {
     bool hasCutouts = false;
     bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
     bool hasClosures = false; ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
+    bool hasAutobump = false; ///< some displaced surface is bumped (HDS_FEATURE_AUTOBUMP)
     std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;   ///< instances below instances
     bool hasInstanceChunks = false;

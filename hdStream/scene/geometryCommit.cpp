@@ -102,12 +102,13 @@ std::shared_ptr<const ChunkSource> SourceOf(const std::shared_ptr<const Geometry
     }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (*inputs.dicing) {
-        auto source = MakeSubdivSource(geometry, path, **inputs.dicing, displacement, warnings);
+        auto source = MakeSubdivSource(geometry, path, **inputs.dicing, displacement, warnings,
+                                       inputs.autobump);
         if (source) {
             return source;
         }
     }
-    return MakePolygonSource(geometry, path, displacement, warnings);
+    return MakePolygonSource(geometry, path, displacement, warnings, inputs.autobump);
 }
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const GeometryInputs& inputs,

@@ -36,6 +36,7 @@ struct GeometryInputs {
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
     Apart<std::optional<DicingOptions>> dicing;
     std::vector<DisplacementInput> displacements; ///< by material entry
+    bool autobump = false; ///< shading adds what triangles leave of these (kMovedBy)
     /// Those that something reads, sorted; of the others only normals and widths, which
     /// give shape, count.
     std::vector<std::string> primvars;
@@ -45,6 +46,7 @@ struct GeometryInputs {
         return FieldList(
             HDS_FIELD(GeometryInputs, geometry), HDS_FIELD(GeometryInputs, chunkBytes),
             HDS_FIELD(GeometryInputs, dicing), HDS_FIELD(GeometryInputs, displacements),
+            HDS_FIELD(GeometryInputs, autobump),
             HDS_FIELD(GeometryInputs, primvars)
                 .NotInKey("of primvars that are not read, the geometry has none by then"),
             HDS_FIELD(GeometryInputs, shutter));

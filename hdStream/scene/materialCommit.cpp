@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/geometry/displacement.h"
 #include "hdStream/geometry/splatSource.h"
 #include "hdStream/scene/mediaBounds.h"
 #include "hdStream/shading/materialPrimvars.h"
@@ -225,6 +226,11 @@ MaterialSyncMode MaterialCommit::SyncModeOf(const GeometryPrim& prim,
 
 namespace {
 
+bool KeepsRest(const std::vector<AttributeName>& attributes) {
+    return std::any_of(attributes.begin(), attributes.end(),
+                       [](const AttributeName& one) { return one.name == kMovedBy; });
+}
+
 /// Whether an amount depends on a primvar.
 bool Displaces(const DisplacementInput& displacement, const std::string& primvar) {
     return displacement.primvar == primvar ||
@@ -270,9 +276,11 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
         const MaterialSyncMode syncMode = SyncModeOf(prim, *entry.path);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
         const CompiledMaterial& compiled = isBlack ? _black : entry.material->compiled;
+        const bool isBumped = compiled.relief.value && KeepsRest(prepared.attributes);
         ResolvedMaterial resolved = ResolveMaterial(
-            compiled, AddTextures(compiled.textures), prepared.attributes,
-            hasSplats ? std::vector<AttributeName>() : ofInstances, path, _warnings);
+            compiled, AddTextures(isBumped ? compiled.relief.textures : compiled.textures),
+            prepared.attributes, hasSplats ? std::vector<AttributeName>() : ofInstances, path,
+            _warnings);
         for (const AttributeName& one : ofInstances) {
             if (Displaces(compiled.displacement, one.name)) {
                 _warnings.Add(path, "primvar " + one.name +

@@ -51,6 +51,24 @@ std::uint32_t CullFlags(const GeometryPrim& prim, CullStyle fallback) {
     return 0U;
 }
 
+/// Whether how far a material moves a surface varies.
+bool Varies(const DisplacementInput& displacement) {
+    return displacement.network || displacement.lookup || !displacement.primvar.empty();
+}
+
+/// Whether a prim's own primvars say that shading adds nothing to its displacement. Of several the
+/// first counts.
+bool RefusesAutobump(const std::vector<Primvar>& primvars) {
+    for (const char* const name : {"hdstream:autobump", "arnold:autobump"}) {
+        for (const Primvar& primvar : primvars) {
+            if (primvar.name == name && primvar.values.size() == 1) {
+                return primvar.values[0] == 0.0F;
+            }
+        }
+    }
+    return false;
+}
+
 void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives,
                CommittedScene* scene) {
     SceneCounts& counts = scene->counts;
@@ -158,6 +176,10 @@ PrimCommit::InputsOf(const std::vector<const GeometryEntry*>& drawn) {
         const GeometryEntry* entry = drawn[i];
         input.geometry = entry->second.geometry;
         materials.GetDisplacements(i, &input.displacements);
+        input.autobump =
+            _options.autobump &&
+            std::any_of(input.displacements.begin(), input.displacements.end(), Varies) &&
+            !RefusesAutobump(input.geometry->primvars);
         ReadPrimvars(i, *input.geometry, &input.primvars);
         input.shutter = Shutter();
         if (Deforms(*input.geometry, _options.shutter)) {

@@ -170,6 +170,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     // The design of the report has no order in which such chunks could be done.
     options.instanceChunks = settings.request == "first" ? 0 : settings.instanceChunks;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
+    options.autobump = settings.autobump;
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
     const AovLayout aovs = MakeAovLayout(settings.aovs);
     options.shownPrimvars = aovs.primvars;

@@ -3,8 +3,10 @@
 // surfaces are read in layeredMaterial.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
+#include "hdStream/geometry/displacement.h"
 #include "hdStream/shading/arnoldNodes.h"
 #include "hdStream/shading/layeredMaterial.h"
+#include "hdStream/shading/materialDisplacement.h"
 #include "hdStream/shading/meshMedium.h"
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/programWriter.h"
@@ -12,7 +14,6 @@
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceGraphs.h"
 #include "hdStream/shading/valueResolver.h"
-#include "hdStream/shading/vectorDisplacement.h"
 #include "kernels/shared/geometry.h"
 
 #include <glm/common.hpp>
@@ -142,78 +143,6 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
     return node;
 }
 
-/// A look-up of one image, at coordinates that are a primvar or constant transforms of one.
-std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
-                                                    const std::vector<MaterialTexture>& textures) {
-    const ShaderExpression& expression = *value.expression;
-    const std::vector<ShaderValue>& operands = expression.operands;
-    if (expression.kind != ShaderExpression::Kind::Texture ||
-        (expression.lookup & HDS_LOOKUP_UDIM) != 0 ||
-        !std::all_of(operands.begin() + 1, operands.end(), IsConstant)) {
-        return std::nullopt;
-    }
-    const std::uint32_t channel = value.channel == HDS_CHANNEL_ALL ? 0 : value.channel;
-    DisplacementLookup lookup;
-    lookup.texture = textures[expression.tiles[0]];
-    lookup.channel = channel;
-    lookup.wrapS = expression.lookup & 3U;
-    lookup.wrapT = expression.lookup >> 2U & 3U;
-    lookup.scale = ConstantOf(operands[2])[channel];
-    lookup.bias = ConstantOf(operands[3])[channel];
-    const ShaderExpression* st = operands[0].expression.get();
-    while (st->kind == ShaderExpression::Kind::Affine ||
-           (st->kind == ShaderExpression::Kind::Transform2d &&
-            std::all_of(st->operands.begin() + 1, st->operands.end(), IsConstant))) {
-        const std::array<double, 6> inner =
-            st->kind == ShaderExpression::Kind::Affine
-                ? st->rows
-                : Transform2dRows(ConstantOf(st->operands[1])[0], ConstantOf(st->operands[2]),
-                                  ConstantOf(st->operands[3]));
-        lookup.rows = ComposeRows(lookup.rows, inner);
-        st = st->operands[0].expression.get();
-    }
-    DisplacementInput result;
-    result.constant = ConstantOf(operands[1])[channel];
-    if (st->kind == ShaderExpression::Kind::Primvar && IsConstant(st->operands[0])) {
-        result.primvar = st->primvar;
-        lookup.missing = {ConstantOf(st->operands[0])[0], ConstantOf(st->operands[0])[1]};
-    } else if (st->kind == ShaderExpression::Kind::Constant) {
-        lookup.missing = {st->constant[0], st->constant[1]};
-    } else {
-        return std::nullopt;
-    }
-    result.lookup = std::move(lookup);
-    return result;
-}
-
-/// Constants, primvars, look-ups and networks; what the host cannot evaluate warns and is ignored.
-DisplacementInput DisplacementBy(const ShaderValue& value,
-                                 const std::vector<MaterialTexture>& textures,
-                                 const std::string& materialPath, Warnings& warnings) {
-    DisplacementInput displacement;
-    if (!value) {
-        return displacement;
-    }
-    const ShaderExpression& expression = *value.expression;
-    if (IsConstant(value)) {
-        displacement.constant = expression.constant[0];
-    } else if (expression.kind == ShaderExpression::Kind::Primvar &&
-               (value.channel == HDS_CHANNEL_ALL || value.channel == 0) &&
-               IsConstant(expression.operands[0])) {
-        displacement.constant = ConstantOf(expression.operands[0])[0];
-        displacement.primvar = expression.primvar;
-    } else if (auto lookup = LookupDisplacement(value, textures)) {
-        displacement = std::move(*lookup);
-    } else {
-        std::string problem;
-        displacement.network = MakeDisplacementNetwork(value, textures, &problem);
-        if (!displacement.network) {
-            warnings.Add(materialPath, "displacement by a network with " + problem + " is ignored");
-        }
-    }
-    return displacement;
-}
-
 /// The first look-up or primvar that an emission is made of.
 /// \param searched functions that hold none: they are shared, and there may be exponentially many
 /// ways to one
@@ -258,43 +187,6 @@ void SetEmission(CompiledMaterial* material) {
     std::set<const ShaderExpression*> searched;
     material->emission =
         FindEmission(material->values[HDS_INPUT_EMISSIVE_COLOR], material->textures, &searched);
-}
-
-/// Of the displacement terminal, a MaterialX displacement node.
-DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network,
-                                        const std::string& materialPath, Warnings& warnings) {
-    const auto terminal = network.terminals.find("displacement");
-    const MaterialNode* node = terminal == network.terminals.end()
-                                   ? nullptr
-                                   : evaluator.FindNode(terminal->second.upstreamPath);
-    if (node == nullptr) {
-        return {};
-    }
-    if (node->identifier == "ND_displacement_vector3") {
-        DisplacementInput vectors;
-        vectors.network = MakeVectorDisplacement(evaluator, *node);
-        return vectors;
-    }
-    ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
-    ShaderValue amount = evaluator.Evaluate(*node, "displacement");
-    const float factor = IsConstant(scale) ? ConstantOf(scale)[0] : 1.0F;
-    const bool isLookup = amount && LookupDisplacement(amount, evaluator.Textures());
-    if (amount && !isLookup) {
-        amount = Multiply(amount, scale, 1);
-        scale = MakeScalar(1.0F);
-    }
-    DisplacementInput result = DisplacementBy(amount, evaluator.Textures(), materialPath, warnings);
-    if (!isLookup) {
-        return result;
-    }
-    if (!IsConstant(scale)) {
-        return DisplacementBy(Multiply(amount, scale, 1), evaluator.Textures(), materialPath,
-                              warnings);
-    }
-    result.constant *= factor;
-    result.lookup->scale *= factor;
-    result.lookup->bias *= factor;
-    return result;
 }
 
 /// Whether an input is no constant.
@@ -409,6 +301,40 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
 
 } // namespace
 
+namespace {
+
+/// Of the coordinates that tangents belong to; HDS_NONE: there are none.
+std::uint32_t FindTangents(const SlotFinder& findOwn) {
+    std::uint32_t slot = HDS_NONE;
+    for (const char* const name : kTangentPrimvars) {
+        slot = slot == HDS_NONE ? findOwn(name, 2) : slot;
+    }
+    return slot;
+}
+
+/// Empty for prims that do not keep what it needs, and where the amount is the same everywhere.
+ProgramRelief ResolveRelief(const MaterialRelief& relief, ValueResolver& resolver,
+                            const SlotFinder& findOwn) {
+    ProgramRelief result;
+    result.movedSlot = findOwn(kMovedBy, 3);
+    if (!relief.value || result.movedSlot == HDS_NONE) {
+        return result;
+    }
+    const ShaderValue value =
+        resolver.Resolve(relief.value, relief.space == HDS_DISPLACES_ALONG ? 1 : 3);
+    if (IsConstant(value)) {
+        return result;
+    }
+    result.value = value;
+    result.space = relief.space;
+    result.normalSlot = findOwn(kRestNormals, 3);
+    result.coordinateSlot =
+        relief.space == HDS_DISPLACES_TANGENT ? FindTangents(findOwn) : HDS_NONE;
+    return result;
+}
+
+} // namespace
+
 bool IsSurfaceShader(const std::string& identifier) {
     return identifier == "UsdPreviewSurface" ||
            identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier) ||
@@ -499,7 +425,7 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
                    warnings);
         material.textures = evaluator.Textures();
         SetEmission(&material);
-        material.displacement = MaterialXDisplacement(evaluator, network, materialPath, warnings);
+        SetMaterialXDisplacement(evaluator, network, materialPath, warnings, &material);
         return material;
     }
     evaluator.WarnOfWidth(*surface, "displacement", 1);
@@ -523,8 +449,8 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
     }
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
-    material.displacement = DisplacementBy(evaluator.Evaluate(*surface, "displacement"),
-                                           evaluator.Textures(), materialPath, warnings);
+    SetDisplacement(evaluator.Evaluate(*surface, "displacement"), evaluator.Textures(),
+                    materialPath, warnings, &material);
     return material;
 }
 
@@ -559,7 +485,10 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
             PlaceValue(i, value, findSlot, result.record, inputs);
         }
     }
-    if (!inputs.empty()) {
+    const std::vector<AttributeName> none;
+    const SlotFinder findOwn(attributes, none, primPath, warnings);
+    ProgramRelief relief = ResolveRelief(material.relief, resolver, findOwn);
+    if (!inputs.empty() || relief.value) {
         std::uint32_t tangentSlot = HDS_NONE;
         const bool needsFrame =
             std::any_of(inputs.begin(), inputs.end(), [](const ProgramInput& one) {
@@ -569,16 +498,18 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
         if (needsFrame || (result.record.lobes & kTurned) != 0 ||
             (result.record.flags & HDS_MATERIAL_HAIR) != 0) {
             // Coordinates that are the same all over a prim have no tangents.
-            const std::vector<AttributeName> none;
-            const SlotFinder findOwn(attributes, none, primPath, warnings);
-            for (const char* const name : kTangentPrimvars) {
-                tangentSlot = tangentSlot == HDS_NONE ? findOwn(name, 2) : tangentSlot;
-            }
+            tangentSlot = FindTangents(findOwn);
             result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
         }
-        result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);
+        result.program = WriteProgram(inputs, textures, findSlot, tangentSlot, relief);
+        if (result.program.empty() && relief.value) {
+            warnings.Add(primPath, "its displacement is too deep for the shader machine; shading "
+                                   "adds nothing to what its triangles have of it");
+            result.program = inputs.empty() ? std::vector<std::uint32_t>()
+                                            : WriteProgram(inputs, textures, findSlot, tangentSlot);
+        }
         result.record.flags |= NeedsFilteredTexels(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
-        if (result.program.empty()) {
+        if (result.program.empty() && !inputs.empty()) {
             warnings.Add(primPath, "its material is too deep for the shader machine; the inputs "
                                    "that it computes keep their defaults");
             result.record.programInputs = 0;

@@ -60,6 +60,13 @@ struct DisplacementInput {
     }
 };
 
+/// Displacement as programs evaluate it at a hit, where triangles lack some of it.
+struct MaterialRelief {
+    ShaderValue value;                          ///< empty: they have all
+    std::uint32_t space = 0;                    ///< HDS_DISPLACES_*
+    std::vector<MaterialTexture> textures = {}; ///< those of the material, and what only displaces
+};
+
 /// What an emission that varies is looked up from, as far as that can be told: for a guess of how
 /// bright a surface is where.
 struct EmissionInput {
@@ -78,6 +85,7 @@ struct CompiledMaterial {
     std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values;
     std::vector<MaterialTexture> textures; ///< what tiles of look-ups name
     DisplacementInput displacement;
+    MaterialRelief relief;
     EmissionInput emission;
     std::optional<shared::HdsMeshMedium> meshMedium; ///< that fills meshes, of the volume
     std::optional<float> dielectricPriority;         ///< of the inside
@@ -125,7 +133,9 @@ struct ResolvedMaterial {
 /// Fills slots, program and the flags that depend on them. A primvar that the prim lacks, or whose
 /// component count is wrong, gives its reader's fallback; the latter warns with `primPath`.
 /// \param textures index in the scene of each of the material's textures. \param ofInstances
-/// primvars with a value an instance; the slot of each is HDS_SLOT_INSTANCE + its index.
+/// primvars with a value an instance; the slot of each is HDS_SLOT_INSTANCE + its index. Where the
+/// prim keeps what displacement needs (kMovedBy), the program bumps it by the material's relief,
+/// whose textures `textures` are then.
 ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                  const std::vector<std::uint32_t>& textures,
                                  const std::vector<AttributeName>& attributes,

@@ -71,6 +71,41 @@ public:
         --_depth;
     }
 
+    /// Bumps the hit; for what comes later.
+    void WriteRelief(const ProgramRelief& relief, UseCounts counts) {
+        const std::size_t begin = _words.size();
+        Emit(0U);
+        // What registers hold belongs to the place that was hit; they are needed afterwards.
+        std::map<const ShaderExpression*, std::uint32_t> kept;
+        kept.swap(_registers);
+        _counts.swap(counts);
+        _numKept = static_cast<std::uint32_t>(kept.size());
+        constexpr std::uint32_t kWays[] = {HDS_SHIFT_T | HDS_SHIFT_MINUS, HDS_SHIFT_T,
+                                           HDS_SHIFT_S | HDS_SHIFT_MINUS, HDS_SHIFT_S};
+        for (const std::uint32_t way : kWays) {
+            Emit(HDS_OP(HDS_OP_ASIDE, way));
+            Emit(relief.movedSlot);
+            Emit(relief.normalSlot);
+            _lookupCoordinates.clear();
+            Push(relief.value);
+            Emit(HDS_OP(HDS_OP_SHIFT, HDS_SHIFT_BACK));
+            _registers.clear();
+        }
+        _lookupCoordinates.clear();
+        Emit(HDS_OP(HDS_OP_AUTOBUMP, relief.space));
+        Emit(relief.movedSlot);
+        Emit(relief.normalSlot);
+        Emit(relief.coordinateSlot);
+        _depth -= 4;
+        _numKept = 0;
+        _counts.swap(counts);
+        kept.swap(_registers);
+        if (!_isTooLarge) {
+            _words[begin] =
+                HDS_OP(HDS_OP_RESOLVED, static_cast<std::uint32_t>(_words.size() - begin - 1));
+        }
+    }
+
     void Emit(std::uint32_t word) {
         if (_words.size() < kMaxWords) {
             _words.push_back(word);
@@ -96,7 +131,9 @@ private:
     }
 
     /// Values that are used again are in the first registers, operands that wait in the last.
-    bool HasFreeRegister() const { return _registers.size() + _numEarly < HDS_PROGRAM_REGISTERS; }
+    bool HasFreeRegister() const {
+        return _numKept + _registers.size() + _numEarly < HDS_PROGRAM_REGISTERS;
+    }
 
     void PushConstant(const std::array<float, 4>& value) {
         Emit(HDS_OP(HDS_OP_CONSTANT, 0U));
@@ -120,7 +157,7 @@ private:
             const auto uses = _counts.find(&expression);
             if (IsShareable(expression) && !_isShifted && known == _registers.end() &&
                 uses != _counts.end() && uses->second > 1 && HasFreeRegister()) {
-                const auto index = static_cast<std::uint32_t>(_registers.size());
+                const auto index = static_cast<std::uint32_t>(_numKept + _registers.size());
                 _registers[&expression] = index;
                 Emit(HDS_OP(HDS_OP_SAVE, index));
             }
@@ -338,6 +375,7 @@ private:
     std::uint32_t _depth = 0;
     ProgramDepth _depths;
     std::uint32_t _numEarly = 0; ///< operands that wait
+    std::uint32_t _numKept = 0;  ///< registers before those of _registers
     bool _isTooLarge = false;
     bool _isShifted = false;
 };
@@ -403,7 +441,8 @@ bool HasFrame(const ShaderValue& value) {
 
 std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                                         const std::vector<std::uint32_t>& textures,
-                                        const SlotCallback& findSlot, std::uint32_t tangentSlot) {
+                                        const SlotCallback& findSlot, std::uint32_t tangentSlot,
+                                        const ProgramRelief& relief) {
     // In the order of their first input, so that equal materials give equal programs.
     std::vector<std::vector<const ProgramInput*>> groups;
     for (const ProgramInput& input : inputs) {
@@ -433,12 +472,16 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
     if (tangentSlot != HDS_NONE) {
         writer.Emit(HDS_OP(HDS_OP_TANGENTS, tangentSlot));
     }
-    for (auto group = groups.begin(); group != groups.end(); ++group) {
-        if (group == others) {
-            writer.Emit(HDS_OP(HDS_OP_MASK_END, 0U));
-        }
-        writer.WriteGroup(*group);
+    std::for_each(groups.begin(), others, [&](const auto& group) { writer.WriteGroup(group); });
+    if (others != groups.end() || relief.value) {
+        writer.Emit(HDS_OP(HDS_OP_MASK_END, 0U));
     }
+    if (relief.value) {
+        UseCounts ofRelief;
+        CountUses(*relief.value.expression, &ofRelief);
+        writer.WriteRelief(relief, std::move(ofRelief));
+    }
+    std::for_each(others, groups.end(), [&](const auto& group) { writer.WriteGroup(group); });
     writer.Emit(HDS_OP(HDS_OP_END, 0U));
     return writer.Take();
 }
@@ -471,11 +514,24 @@ bool HasClosures(const std::vector<std::uint32_t>& programs) {
     return false;
 }
 
+bool HasAutobump(const std::vector<std::uint32_t>& programs) {
+    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
+        if (OperationAt(programs, at) == HDS_OP_AUTOBUMP) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
     for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
         const std::uint32_t operation = OperationAt(program, at);
         if (operation == HDS_OP_SHIFT || operation == HDS_OP_CHANCE) {
             return true;
+        }
+        if (operation == HDS_OP_RESOLVED) { // displacement asks for the filter itself
+            at += program[at] >> 8U;
+            continue;
         }
         if (operation != HDS_OP_MATH) {
             continue;

@@ -7,14 +7,15 @@
 
 namespace hds {
 
-std::optional<DisplacementNetwork> MakeVectorDisplacement(NetworkEvaluator& evaluator,
-                                                          const MaterialNode& node) {
+std::optional<DisplacementNetwork>
+MakeVectorDisplacement(NetworkEvaluator& evaluator, const MaterialNode& node, ShaderValue* value) {
     const ShaderValue scale = evaluator.EvaluateOr(node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
     const ShaderValue vector =
         Multiply(evaluator.EvaluateOr(node, "displacement", {}, 3), scale, 3);
     if (IsAll(vector, 0.0F)) {
         return std::nullopt;
     }
+    *value = vector;
     std::string problem;
     std::optional<DisplacementNetwork> network =
         MakeDisplacementNetwork(vector, evaluator.Textures(), &problem);

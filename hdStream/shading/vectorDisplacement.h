@@ -12,8 +12,8 @@ namespace hds {
 
 /// Of an ND_displacement_vector3: in the frame of (dP/ds, dP/dt, normal) unless its input `space`,
 /// which is ours, is "object". Nothing where the vector is 0 everywhere, or where the host cannot
-/// evaluate it, which warns.
-std::optional<DisplacementNetwork> MakeVectorDisplacement(NetworkEvaluator& evaluator,
-                                                          const MaterialNode& node);
+/// evaluate it, which warns. \param[out] value the vector
+std::optional<DisplacementNetwork>
+MakeVectorDisplacement(NetworkEvaluator& evaluator, const MaterialNode& node, ShaderValue* value);
 
 } // namespace hds

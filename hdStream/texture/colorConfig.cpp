@@ -8,9 +8,12 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -188,6 +191,45 @@ OCIO::ConstConfigRcPtr MakeBuiltInConfig() {
     return config;
 }
 
+/// Before what a space is made of.
+constexpr const char* kDefined = "primaries:";
+
+bool IsDefined(const std::string& space) {
+    return space.compare(0, std::strlen(kDefined), kDefined) == 0;
+}
+
+/// XYZ of a linear space of its own white, scaled to Y 1; primaries may have no Y.
+glm::dmat3 XyzOfDefined(const Primaries& xy) {
+    const auto column = [&](std::size_t i) {
+        return glm::dvec3(xy[i], xy[i + 1], 1.0 - xy[i] - xy[i + 1]);
+    };
+    const glm::dmat3 unscaled(column(0), column(2), column(4));
+    const glm::dvec3 scales = glm::inverse(unscaled) * (column(6) / xy[7]);
+    return {unscaled[0] * scales.x, unscaled[1] * scales.y, unscaled[2] * scales.z};
+}
+
+/// Our configuration with a space that a stage defines. As in OpenUSD its white is not adapted.
+/// \throws Error where its numbers make no space
+OCIO::ConstConfigRcPtr ConfigWith(const std::string& space) {
+    std::istringstream words(space.substr(std::strlen(kDefined)));
+    Primaries xy{};
+    std::for_each(xy.begin(), xy.end(), [&](double& value) { words >> value; });
+    double gamma = 0.0;
+    double bias = 0.0;
+    words >> gamma >> bias;
+    const glm::dmat3 toRec709 = glm::inverse(XyzFrom(kRec709)) * XyzOfDefined(xy);
+    const double sum = toRec709[0][0] + toRec709[1][1] + toRec709[2][2];
+    if (!words || !std::isfinite(sum) || glm::determinant(toRec709) == 0.0 || !(gamma >= 1.0) ||
+        gamma > 10.0 || !(bias >= 0.0) || bias > 0.9 || (bias > 0.0 && gamma == 1.0)) {
+        throw Error("the colour space defined by " + space.substr(std::strlen(kDefined)) +
+                    " cannot be computed with");
+    }
+    OCIO::ConfigRcPtr config = BuiltInColorConfig()->createEditableCopy();
+    AddWideSpace(config, space.c_str(), {}, gamma == 1.0 ? nullptr : PowerOf(gamma, bias),
+                 MatrixOf(toRec709));
+    return config;
+}
+
 std::string EnvironmentConfig() {
     const char* value = std::getenv("OCIO");
     return value ? value : "";
@@ -208,10 +250,13 @@ OCIO::ConstCPUProcessorRcPtr MakeColorProcessor(const std::string& from, const s
     const OCIO::ConstConfigRcPtr config = ColorConfig();
     const OCIO::ConstConfigRcPtr ours = BuiltInColorConfig();
     const auto configOf = [&](const std::string& space) {
-        return Knows(config, space) || !Knows(ours, space) ? config : ours;
+        return IsDefined(space)                              ? ConfigWith(space)
+               : Knows(config, space) || !Knows(ours, space) ? config
+                                                             : ours;
     };
     const OCIO::ConstConfigRcPtr source = configOf(from);
-    const OCIO::ConstConfigRcPtr target = configOf(to);
+    const bool isOurs = IsDefined(from) && configOf(to) == ours;
+    const OCIO::ConstConfigRcPtr target = isOurs ? source : configOf(to);
     const OCIO::ConstProcessorRcPtr processor =
         source == target
             ? source->getProcessor(from.c_str(), to.c_str())

@@ -29,7 +29,9 @@ bool HasUserColorConfig();
 OCIO_NAMESPACE::ConstConfigRcPtr BuiltInColorConfig();
 
 /// From one space to another, by their names in the configuration in force. Names that only the
-/// built-in configuration has are found there, where both configurations have interchange roles.
+/// built-in configuration has are found there, where both configurations have interchange roles. A
+/// space that a stage defines (UsdColorSpaceDefinitionAPI) is "primaries:" and ten numbers with
+/// blanks between them: CIE xy of red, green, blue and white, the gamma and the linear bias.
 /// \throws std::exception when a name is unknown or there is no way between the two
 OCIO_NAMESPACE::ConstCPUProcessorRcPtr MakeColorProcessor(const std::string& from,
                                                           const std::string& to);

@@ -46,6 +46,11 @@ enum {
 #define HDS_SHIFT_MINUS 4u            /* in the other direction */
 #define HDS_SHIFT_STEP 0.00048828125f /* 2^-11, the texel of an image 2048 wide */
 
+/* What an amount of displacement is. */
+#define HDS_DISPLACES_ALONG 0u   /* x, along the normal */
+#define HDS_DISPLACES_TANGENT 1u /* along dP/ds, on the side of dP/dt, along the normal */
+#define HDS_DISPLACES_OBJECT 2u  /* a vector in object space */
+
 /* Most values on the stack, and registers; the compiler keeps programs below them. */
 #define HDS_PROGRAM_STACK 16u
 #define HDS_PROGRAM_REGISTERS 8u

@@ -131,6 +131,28 @@ def Nested(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def Displaced(path) -> None:
+    """Balls of few triangles whose shading has what these lack of noise: smooth, flat, instanced and stretched."""
+    stage = author.NewStage(path)
+    look, types = "/World/Look", Sdf.ValueTypeNames
+    material = materialX.AddSurface(stage, look, base_color=(0.5, 0.4, 0.3), specular_roughness=0.3, coat=0.5)
+    at = materialX.AddNode(stage, f"{look}/Place", "ND_position_vector3", types.Vector3f)
+    scaled = materialX.AddNode(stage, f"{look}/Scaled", "ND_multiply_vector3FA", types.Vector3f, in1=at, in2=9.0)
+    noise = materialX.AddNode(stage, f"{look}/Noise", "ND_noise3d_float", types.Float, position=scaled, amplitude=0.05)
+    moved, _ = materialX.AddNode(stage, f"{look}/Displacement", "ND_displacement_float", types.Token, displacement=noise)
+    material.CreateDisplacementOutput("mtlx").ConnectToSource(moved.GetOutput("out"))
+    ball = shapes.Sphere(0.6, 9, 14)
+    flat = shapes.Shape(ball.points, ball.counts, ball.indices)
+    for number, (shape, place) in enumerate(((ball, {}), (flat, {}), (ball, dict(scale=(0.6, -1.3, 1), rotate=(20, 30, 40))))):
+        author.AddMesh(stage, f"/World/Ball{number}", shape, material=material, translate=(1.2 * number - 1.2, 0.6, 0), **place)
+    author.AddMesh(stage, "/World/Ground", shapes.Plane(8, 8), color=(0.45, 0.45, 0.45))
+    author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(-2, 4, 3), rotate=(-50, -30, 0)), width=2.0, height=2.0,
+                    intensity=15.0)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=0.3)
+    author.AddCamera(stage, eye=(0, 1.2, 4.5), target=(0, 0.5, 0), aspect=61 / 47)
+    stage.GetRootLayer().Save()
+
+
 def Hair(path) -> None:
     """Hair, which takes the form of one path, between layered and plain surfaces, and one of both by chance."""
     stage = author.NewStage(path)

@@ -360,3 +360,55 @@ def test_files_say_their_primaries_and_displays_show_the_same(tmp_path):
     assert max(layer.maxAbs for layer in linear.layers) > 0.01  # the colour is none that both write alike
     with pytest.raises(_core.UsageError, match="noSuchSpace"):
         hdstream.Renderer(stage).Render(workingSpace="noSuchSpace", **common)
+
+
+# Chromaticities of red, green, blue and white, gamma, linear bias.
+_DEFINED = {
+    "studio": ((0.7, 0.3), (0.2, 0.7), (0.14, 0.05), (0.3127, 0.329), 1.0, 0.0),
+    "warm": ((0.66, 0.33), (0.28, 0.62), (0.15, 0.07), (0.345, 0.358), 1.0, 0.0),
+    "power": ((0.66, 0.33), (0.28, 0.62), (0.15, 0.07), (0.3127, 0.329), 1.9, 0.0),
+    "curve": ((0.66, 0.33), (0.28, 0.62), (0.15, 0.07), (0.3127, 0.329), 2.2, 0.05),
+    "xyz": ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (0.3127, 0.329), 1.0, 0.0),
+}
+
+
+def _Define(prim, instance, name, numbers):
+    definition = Usd.ColorSpaceDefinitionAPI.Apply(prim, instance)
+    definition.CreateNameAttr(name)
+    for create, pair in zip(("Red", "Green", "Blue"), numbers[:3]):
+        getattr(definition, f"Create{create}ChromaAttr")(Gf.Vec2f(*pair))
+    definition.CreateWhitePointAttr(Gf.Vec2f(*numbers[3]))
+    definition.CreateGammaAttr(numbers[4])
+    definition.CreateLinearBiasAttr(numbers[5])
+
+
+@pytest.mark.skipif(not hasattr(Usd, "ColorSpaceDefinitionAPI"), reason="this usd-core knows no definitions")
+def test_spaces_that_a_stage_defines_are_those_of_openUsd(tmp_path):
+    """On ancestors and on the prim itself, by the name of the definition; OpenUSD's own names cannot be defined anew."""
+    strip, glow = Strip(tmp_path / "defined.usda"), (0.5, 0.4, 0.3)
+    world = strip.stage.GetPrimAtPath("/World") or strip.stage.DefinePrim("/World")
+    for number, (name, numbers) in enumerate(_DEFINED.items()):
+        _Define(world, f"d{number}", name, numbers)
+        strip.Add(name, emissiveColor=glow, **_BLACK)
+        _Emission(strip.cards[name]).SetColorSpace(name)
+    _Define(world, "again", "lin_rec709_scene", _DEFINED["studio"])
+    for name, space in (("builtIn", "lin_rec709_scene"), ("nearer", "studio"), ("ofPrim", ""), ("instance", "d0")):
+        strip.Add(name, emissiveColor=glow, **_BLACK)
+        if space:
+            _Emission(strip.cards[name]).SetColorSpace(space)
+    _Define(strip.cards["nearer"].material.GetPrim(), "own", "studio", _DEFINED["warm"])
+    _Apply(strip.cards["ofPrim"].material.GetPrim(), "warm")
+    _Define(world, "broken", "broken", ((0.3, 0.3), (0.3, 0.3), (0.3, 0.3), (0.3127, 0.329), 1.0, 0.0))
+    strip.Add("broken", emissiveColor=glow, **_BLACK)
+    _Emission(strip.cards["broken"]).SetColorSpace("broken")
+    strip.Render(samples=1)
+    rec709 = Gf.ColorSpace("lin_rec709_scene")
+    for name in (*_DEFINED, "builtIn", "nearer", "ofPrim"):
+        space = Usd.ColorSpaceAPI.ComputeColorSpace(_Emission(strip.cards[name]), None)
+        expected = np.maximum(rec709.Convert(space, Gf.Vec3f(*glow)).GetRGB(), 0)
+        assert _Value(strip, name) == pytest.approx(expected, abs=5e-4 if name in ("power", "curve") else 2e-5), name
+    assert np.abs(_Value(strip, "nearer") - _Value(strip, "studio")).max() > 0.01
+    for name in ("instance", "broken"):
+        assert _Value(strip, name) == pytest.approx(glow, abs=1e-6)
+    said = [line for line in strip.picture.warnings if "colour space" in line]
+    assert len(said) == 2 and sum("'d0'" in line for line in said) == 1 and sum("cannot be computed with" in line for line in said) == 1

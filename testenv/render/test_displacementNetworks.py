@@ -44,7 +44,7 @@ def _Stage(path, shape, displace=None, color=(0.7, 0.4, 0.2), scheme="none"):
 
 
 def _Render(stage, aovs=("color", "position"), **settings):
-    return ours.Render(stage.GetRootLayer().realPath, _SIZE, _SIZE, aovs, **{"samples": 1, "maxDepth": 1, **settings})
+    return ours.Render(stage.GetRootLayer().realPath, _SIZE, _SIZE, aovs, **{"samples": 1, "maxDepth": 1, "autobump": False, **settings})
 
 
 def _Float(stage, root, name, category, types="float", **inputs):
@@ -261,7 +261,7 @@ def test_bits_do_not_depend_on_pools(tmp_path, displace):
     ball = shapes.Sphere(0.4, 12, 24).Moved((0.5, 0.5, 0.0))
     ball = shapes.Shape(ball.points, ball.counts, ball.indices, None, ball.points[:, :2])
     stage = _Stage(tmp_path / "ball.usda", ball, displace, scheme="catmullClark")
-    settings = dict(aovs=("color", "position"), samples=4, maxDepth=3, subdivision="complexity", refineLevel=3)
+    settings = dict(aovs=("color", "position"), samples=4, maxDepth=3, subdivision="complexity", refineLevel=3, autobump=True)
     whole = _Render(stage, residency="resident", **settings)
     assert whole.layers["color"].max() > 0.1
     for share in (100, 30, 5):

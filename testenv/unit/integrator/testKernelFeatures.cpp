@@ -128,9 +128,10 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
           "volumes"}},
         {"workingSpace", // converts the glow of volumes
          {"cutouts", "lobes", "media", "textures", "volumes"}},
-        {"flat", {"simd8"}},                  // is walked as that form walks
-        {"flatInstances", {"flat", "simd8"}}, // and beside it instances are
-        {"requestsFirst", {"streaming"}},     // asks for pages that are missing
+        {"flat", {"simd8"}},                                // is walked as that form walks
+        {"flatInstances", {"flat", "simd8"}},               // and beside it instances are
+        {"requestsFirst", {"streaming"}},                   // asks for pages that are missing
+        {"autobump", {"patterns", "programs", "textures"}}, // looks aside by ray cones
     };
     for (const auto& [name, needs] : AllNeeds()) {
         const auto found = expected.find(name);
