@@ -186,6 +186,13 @@ private:
         return true;
     }
 
+    /// HdsFlatNode.child of an instance.
+    static std::uint32_t ChildOf(std::uint32_t record) {
+        return HDS_FLAT_INSTANCE | ((record & HDS_RECORD_IN_CHUNK) != 0
+                                        ? HDS_FLAT_IN_CHUNK | (record & ~HDS_RECORD_IN_CHUNK)
+                                        : record);
+    }
+
     void EmitNode(const BinaryBvh& binary, CollapsedChildren children, const Pending& pending,
                   std::vector<Pending>* stack) {
         // Rays that anything stops take slots from the last one on: the largest boxes first.
@@ -218,7 +225,7 @@ private:
             }
             const std::uint32_t item = binary.refs[child.tree.begin].item;
             if (item >= _numSlots) {
-                node.child[slot] = HDS_FLAT_INSTANCE | _places.instances[item - _numSlots].record;
+                node.child[slot] = ChildOf(_places.instances[item - _numSlots].record);
             } else {
                 node.child[slot] = HDS_FLAT_LEAF | static_cast<std::uint32_t>(_leaves.size());
                 _leaves.push_back({child.tree.begin, child.tree.count});

@@ -21,6 +21,8 @@ struct FlatSource {
     const std::vector<shared::HdsObject>* objects = nullptr; ///< 0: the TLAS
     /// The bytes of a chunk's geometry page, which stay where they are.
     std::function<const std::uint8_t*(std::uint32_t chunk)> page;
+    /// Records of some groups lie in pages, and hits name them (HDS_FEATURE_INSTANCE_CHUNKS).
+    bool hasInstanceChunks = false;
 };
 
 /// A finished flat hierarchy.

@@ -19,6 +19,8 @@ namespace {
 
 /// Instances of the TLAS beyond which there is little to gain: rays meet few of them.
 constexpr std::uint32_t kMaxInstances = 1U << 16U;
+/// Numbers of records in later ones are too large for HDS_FLAT_IN_CHUNK.
+constexpr std::uint32_t kMaxInstanceChunks = HDS_FLAT_IN_CHUNK >> HDS_RECORD_CHUNK_SHIFT;
 /// Of a box in units of its largest coordinate: 64 roundoffs of 2^-24 for one transform on the way,
 /// 256 for more. With them go HDS_FLAT_PAD of the kernels.
 constexpr int kMarginExponent = -18;
@@ -38,6 +40,24 @@ shared::HdsPageHeader HeaderOf(const std::uint8_t* page) {
 bool IsFlatPage(const shared::HdsPageHeader& header) {
     return header.numTriangles >> HDS_PRIMITIVE_SHIFT == HDS_PRIMITIVE_TRIANGLES &&
            (header.vertices & (HDS_PAGE_MOVES | HDS_PAGE_BOXES_MOVE)) == 0;
+}
+
+/// The records of an instance chunk.
+struct ChunkRecords {
+    const shared::HdsInstance* records;
+    std::uint32_t count;
+    const shared::HdsBvhNode* nodes;
+
+    explicit ChunkRecords(const std::uint8_t* page) : count(NumPrimitivesOfPage(page)) {
+        const std::size_t at = std::size_t{HeaderOf(page).triangles} * HDS_POOL_UNIT_BYTES;
+        records = reinterpret_cast<const shared::HdsInstance*>(page + at);
+        nodes = reinterpret_cast<const shared::HdsBvhNode*>(page + sizeof(shared::HdsPageHeader));
+    }
+};
+
+/// The number of an instance chunk's first record.
+std::uint32_t FirstRecordOf(std::uint32_t chunk) {
+    return HDS_RECORD_IN_CHUNK | chunk << HDS_RECORD_CHUNK_SHIFT;
 }
 
 glm::dmat4 MatrixOf(const shared::HdsInstance& instance) {
@@ -93,19 +113,13 @@ public:
         if (root.numItems == 0 || root.numItems > kMaxInstances) {
             return;
         }
-        std::map<std::uint32_t, std::vector<std::uint32_t>> byObject; // records of the TLAS
-        for (std::uint32_t i = 0; i < root.numItems; ++i) {
-            const std::uint32_t record = root.itemBase + i;
-            byObject[_source.instances[record].object].push_back(record);
-        }
-        using Placed = std::pair<std::uint32_t, std::vector<std::uint32_t>>;
-        std::vector<Placed> order(byObject.begin(), byObject.end());
+        double total = 0.0;
+        double placed = 0.0;
+        std::vector<Placed> order = ListRecords(&placed);
         std::stable_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
             return a.second.size() < b.second.size();
         });
-        std::vector<bool> isFlat(root.numItems, false);
-        double total = 0.0;
-        double placed = 0.0;
+        std::unordered_set<std::uint32_t> isFlat; // records
         for (const auto& [object, records] : order) {
             const ObjectTraits& traits = TraitsOf(object);
             const double added = traits.numTriangles * static_cast<double>(records.size());
@@ -118,7 +132,7 @@ public:
             }
             for (const std::uint32_t record : records) {
                 if (AddPlaces(record)) {
-                    isFlat[record - root.itemBase] = true;
+                    isFlat.insert(record);
                     total += traits.numTriangles;
                 }
             }
@@ -132,6 +146,52 @@ public:
     }
 
 private:
+    /// An object, and the records of the TLAS that place it.
+    using Placed = std::pair<std::uint32_t, std::vector<std::uint32_t>>;
+
+    /// Records of the TLAS that may be flattened, by their objects. Of those in chunks these are
+    /// the ones that no instancer places, where there are not too many records around them: the
+    /// chunk is opened. \param[out] placed the primitives of all others.
+    std::vector<Placed> ListRecords(double* placed) {
+        const shared::HdsObject& root = _objects[0];
+        std::map<std::uint32_t, std::vector<std::uint32_t>> byObject;
+        std::uint32_t numOpened = 0; // records
+        for (std::uint32_t i = 0; i < root.numItems; ++i) {
+            const std::uint32_t record = root.itemBase + i;
+            const std::uint32_t index = _source.instances[record].object;
+            if (_objects[index].kind != HDS_OBJECT_INSTANCES) {
+                byObject[index].push_back(record);
+                continue;
+            }
+            const std::uint32_t chunk = _objects[index].itemBase;
+            const ChunkRecords held(_source.page(chunk));
+            const auto isSingle = [](const shared::HdsInstance& one) {
+                return one.instanceCount == 0;
+            };
+            const bool isOpened = chunk < kMaxInstanceChunks &&
+                                  numOpened + held.count <= kMaxInstances &&
+                                  std::any_of(held.records, held.records + held.count, isSingle);
+            numOpened += isOpened ? held.count : 0;
+            for (std::uint32_t k = 0; k < held.count; ++k) {
+                if (isOpened && isSingle(held.records[k])) {
+                    byObject[held.records[k].object].push_back(FirstRecordOf(chunk) + k);
+                } else {
+                    *placed += TraitsOf(held.records[k].object).numTriangles;
+                }
+            }
+        }
+        return {byObject.begin(), byObject.end()};
+    }
+
+    /// A record by its number.
+    const shared::HdsInstance& RecordOf(std::uint32_t record) const {
+        if ((record & HDS_RECORD_IN_CHUNK) == 0) {
+            return _source.instances[record];
+        }
+        const std::uint32_t chunk = (record & ~HDS_RECORD_IN_CHUNK) >> HDS_RECORD_CHUNK_SHIFT;
+        return ChunkRecords(_source.page(chunk)).records[record & (HDS_MAX_CHUNK_RECORDS - 1U)];
+    }
+
     const ObjectTraits& TraitsOf(std::uint32_t index) {
         const auto found = _traits.find(index);
         if (found != _traits.end()) {
@@ -141,18 +201,22 @@ private:
         ObjectTraits traits;
         if ((object.kind & HDS_OBJECT_KIND) == HDS_OBJECT_GROUP) {
             traits.isFlat = object.numItems <= kMaxInstances;
-            traits.numTriangles = traits.isFlat ? 0.0 : std::numeric_limits<double>::infinity();
             std::unordered_set<std::uint32_t> known;
-            const std::uint32_t numItems = traits.isFlat ? object.numItems : 0;
-            for (std::uint32_t i = 0; i < numItems; ++i) {
+            for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const shared::HdsInstance& instance = _source.instances[object.itemBase + i];
-                const ObjectTraits below = TraitsOf(instance.object);
+                const ObjectTraits& below = TraitsOf(instance.object);
                 traits.isFlat = traits.isFlat && below.isFlat;
                 traits.records = std::max(traits.records, below.records + 1);
                 traits.numTriangles += below.numTriangles;
                 if (known.insert(instance.object).second) {
                     traits.numUnique += below.numUnique;
                 }
+            }
+        } else if (object.kind == HDS_OBJECT_INSTANCES) {
+            traits.isFlat = false; // so many that a group has chunks are not flattened
+            const ChunkRecords held(_source.page(object.itemBase));
+            for (std::uint32_t i = 0; i < held.count; ++i) {
+                traits.numTriangles += TraitsOf(held.records[i].object).numTriangles;
             }
         } else {
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
@@ -177,7 +241,7 @@ private:
     }
 
     bool Descend(std::uint32_t record, Way way) {
-        const shared::HdsInstance& instance = _source.instances[record];
+        const shared::HdsInstance& instance = RecordOf(record);
         const shared::HdsObject& object = _objects[instance.object];
         if ((instance.flags & HDS_INSTANCE_MOVES) != 0) {
             return false;
@@ -214,7 +278,7 @@ private:
             }
         }
         shared::HdsFlatPlace place{};
-        place.instance = record;
+        place.instance = _source.hasInstanceChunks ? way.records[0] : record;
         place.flags = instance.flags;
         place.seen = way.seen;
         place.pathIndex[0] = static_cast<std::uint32_t>(way.path);
@@ -234,13 +298,13 @@ private:
             const FlatPlacement& placement = _places.placements[index];
             std::vector<Rows> way(placement.numRecords);
             for (std::uint32_t i = 0; i < placement.numRecords; ++i) {
-                const shared::HdsInstance& instance = _source.instances[placement.records[i]];
+                const shared::HdsInstance& instance = RecordOf(placement.records[i]);
                 std::memcpy(way[i].data(), instance.objectFromParent, sizeof(Rows));
             }
             const auto next = static_cast<std::uint32_t>(_places.transforms.size());
             const auto [found, isNew] = known.emplace(std::move(way), next);
             for (std::uint32_t i = 0; isNew && i < placement.numRecords; ++i) {
-                _places.transforms.push_back(ColumnsOf(_source.instances[placement.records[i]]));
+                _places.transforms.push_back(ColumnsOf(RecordOf(placement.records[i])));
             }
             _places.places[index].firstTransform = found->second;
             _places.places[index].numTransforms = placement.numRecords;
@@ -248,19 +312,44 @@ private:
     }
 
     /// Those of the TLAS that are not flattened, with the boxes that its nodes have; of boxes that
-    /// move, what holds them from the opening of the shutter to its closing.
-    void AddInstances(const std::vector<bool>& isFlat) {
+    /// move, what holds them from the opening of the shutter to its closing. Of a chunk of which
+    /// something is flattened these are the records that are not.
+    void AddInstances(const std::unordered_set<std::uint32_t>& isFlat) {
         const shared::HdsObject& root = _objects[0];
         const std::uint32_t closeNodes = root.kind >> HDS_OBJECT_CLOSE_SHIFT; // 0: none moves
         ForEachLeafSlot(_source.topNodes + root.nodeBase, [&](const shared::HdsBvhNode& node,
                                                               int slot, std::uint32_t item,
                                                               std::uint32_t /*one*/) {
-            if (!isFlat[item]) {
+            const std::uint32_t record = root.itemBase + item;
+            const shared::HdsObject& object = _objects[_source.instances[record].object];
+            if (object.kind == HDS_OBJECT_INSTANCES &&
+                AddInstancesOfChunk(object.itemBase, isFlat)) {
+                return;
+            }
+            if (isFlat.count(record) == 0) {
                 const shared::HdsBvhNode& closed = *(&node + closeNodes);
                 _places.instances.push_back(
-                    {root.itemBase + item, UnionOf(BoxOf(node, slot), BoxOf(closed, slot))});
+                    {record, UnionOf(BoxOf(node, slot), BoxOf(closed, slot))});
             }
         });
+    }
+
+    /// \return false, and none, when nothing of the chunk is flattened.
+    bool AddInstancesOfChunk(std::uint32_t chunk, const std::unordered_set<std::uint32_t>& isFlat) {
+        const ChunkRecords held(_source.page(chunk));
+        const std::uint32_t first = FirstRecordOf(chunk);
+        std::vector<FlatInstance> instances;
+        ForEachLeafSlot(held.nodes, [&](const shared::HdsBvhNode& node, int slot,
+                                        std::uint32_t item, std::uint32_t /*one*/) {
+            if (isFlat.count(first + item) == 0) {
+                instances.push_back({first + item, BoxOf(node, slot)});
+            }
+        });
+        if (instances.size() == held.count) {
+            return false;
+        }
+        _places.instances.insert(_places.instances.end(), instances.begin(), instances.end());
+        return true;
     }
 
     static Bounds UnionOf(const Bounds& a, const Bounds& b) {

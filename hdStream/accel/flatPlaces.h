@@ -28,8 +28,8 @@ struct FlatPlacement {
 
 /// An instance of the TLAS that stays one.
 struct FlatInstance {
-    std::uint32_t record = 0;
-    Bounds bounds; ///< widened
+    std::uint32_t record = 0; ///< its number
+    Bounds bounds;            ///< widened
 };
 
 /// What a flat hierarchy is built over.

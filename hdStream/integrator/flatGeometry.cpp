@@ -64,6 +64,7 @@ bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedS
     source.instances = scene.instances.data();
     source.objects = &scene.objects;
     source.page = [&](std::uint32_t chunk) { return pages.Page(chunk); };
+    source.hasInstanceChunks = scene.hasInstanceChunks;
     _flat = BuildFlatBvh(source, amount);
     if (!IsThere()) {
         _flat = {}; // of instances alone it would be no better than the TLAS

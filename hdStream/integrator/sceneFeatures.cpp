@@ -23,9 +23,11 @@ bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& propertie
                                                     : options.traversal != TraversalForm::Scalar;
 }
 
-/// Meshes that are placed several times are not looked at.
+/// Meshes that are placed several times are not looked at, but in instance chunks.
 bool WillBeFlat(const CommittedScene& scene, const FlatLimits& limits) {
-    return scene.counts.triangles <= MaxFlatTriangles(limits);
+    const bool isMostFlat = limits.isForced || !scene.hasInstanceChunks ||
+                            double{scene.flatPart} >= FlatAmount().minShare;
+    return isMostFlat && scene.counts.triangles <= MaxFlatTriangles(limits);
 }
 
 bool Moves(const CommittedScene& scene, const RenderOptions& options) {
@@ -118,8 +120,8 @@ bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && ChooseSimd8(options, properties) && !scene.hasInstanceChunks &&
-           !scene.hasCatchers && residency.mode != ResidencyMode::Mapped;
+    return isAsked && ChooseSimd8(options, properties) && !scene.hasCatchers &&
+           residency.mode != ResidencyMode::Mapped;
 }
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,

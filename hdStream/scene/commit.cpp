@@ -104,6 +104,7 @@ private:
         _result->instances = std::move(hierarchy.instances);
         _result->instancesByPath = std::move(hierarchy.instancesByPath);
         _result->hasGroups = hierarchy.depth > 0;
+        _result->flatPart = hierarchy.flatPart;
         _result->hasMotion = _result->hasMotion || !hierarchy.motionKeys.empty();
         _result->motionKeys = std::move(hierarchy.motionKeys);
         _result->counts.instances = hierarchy.numLeaves;

@@ -178,6 +178,7 @@ struct CommittedScene : CommittedPrims {
     std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;   ///< instances below instances
     bool hasInstanceChunks = false;
+    float flatPart = 1.0F;  ///< Hierarchy::flatPart
     bool hasCurves = false; ///< or points, or splats
     bool hasSplats = false;
     bool hasHair = false;          ///< some material is hair

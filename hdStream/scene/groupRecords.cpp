@@ -215,6 +215,8 @@ PlacedRecord* GroupRecords::Add(PlacedRecord record) {
         _closeBoxes.push_back(boxes.close);
     }
     _flags |= record.leaf->flags;
+    _numPrimitives += record.leaf->numPrimitives;
+    _numFlatOfSingles += record.leaf->numFlat;
     if (_parts.empty() || _parts.back().run) {
         Part part;
         part.firstSingle = static_cast<std::uint32_t>(_singles.size());
@@ -287,6 +289,8 @@ std::uint32_t GroupRecords::Add(InstanceRun run) {
     }
     if (numAdded > 0) {
         _flags |= run.leaf.flags;
+        _numPrimitives += double{run.leaf.numPrimitives} * numAdded;
+        _numFlatOfRuns += double{run.leaf.numFlat} * numAdded;
         const std::uint64_t numLeaves = run.numLeaves;
         part.run = std::move(run);
         AddPart(std::move(part), numAdded, numLeaves);

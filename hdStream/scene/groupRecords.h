@@ -23,11 +23,13 @@ struct LeafObject {
     std::uint32_t object = 0;
     std::uint32_t prim = 0;
     std::uint32_t flags = 0;    ///< HDS_INSTANCE_*
+    float numPrimitives = 1.0F; ///< about, each as often as it is placed below it
     glm::dvec3 origin{0.0};     ///< object-space origin of the device positions
     Bounds bounds;              ///< relative to origin
     bool worldInstance = false; ///< needs a record in the TLAS
     bool isLinkedByInstance =
-        false; ///< its instances have link sets of their own, so it needs a record too
+        false;            ///< its instances have link sets of their own, so it needs a record too
+    float numFlat = 1.0F; ///< of its primitives those that a flat hierarchy may take
 };
 
 /// From the device positions of an object to its group; what is flattened is a thin sheet
@@ -89,6 +91,11 @@ public:
 
     std::uint32_t Size() const { return _size; }
     std::uint64_t NumLeaves() const { return _numLeaves; }
+    /// LeafObject::numPrimitives of all records.
+    float NumPrimitives() const { return static_cast<float>(_numPrimitives); }
+    /// LeafObject::numFlat of single records, and of those in runs.
+    float NumFlatOfSingles() const { return static_cast<float>(_numFlatOfSingles); }
+    float NumFlatOfRuns() const { return static_cast<float>(_numFlatOfRuns); }
     /// HDS_INSTANCE_* that some record has.
     std::uint32_t Flags() const { return _flags; }
     /// Whether some record has keys of motion.
@@ -177,6 +184,9 @@ private:
     std::uint32_t _size = 0;
     std::uint32_t _numInRuns = 0;
     std::uint64_t _numLeaves = 0;
+    double _numPrimitives = 0.0;
+    double _numFlatOfSingles = 0.0;
+    double _numFlatOfRuns = 0.0;
     std::uint32_t _flags = 0;
     bool _mayMove = false;
     bool _moves = false;

@@ -3,6 +3,7 @@
 
 #include "hdStream/accel/bvh.h"
 #include "hdStream/scene/motion.h"
+#include "hdStream/scene/placements.h"
 
 #include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -19,17 +20,11 @@ namespace hds {
 
 namespace {
 
-/// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
-constexpr int kMaxChain = 64;
 /// Single records with larger boxes stay out of instance chunks: part of the group's box, by axis.
 constexpr float kLargestInChunks = 1.0F / 16.0F;
 
 Bounds Union(const Bounds& a, const Bounds& b) {
     return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
-}
-
-MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter) {
-    return {placement.worldFromObject, placement.samples, shutter};
 }
 
 /// What a group may contain at a path: a prim or a child instancer.
@@ -50,60 +45,21 @@ struct Prototype {
     const Member* OnlyLeaf() const {
         return members.size() == 1 && members[0].leaf != nullptr ? members.data() : nullptr;
     }
+    /// The paths of those of its members that are instancers.
+    std::vector<const std::string*> Instancers() const {
+        std::vector<const std::string*> paths;
+        for (const Member& member : members) {
+            if (member.leaf == nullptr) {
+                paths.push_back(member.path);
+            }
+        }
+        return paths;
+    }
 };
 
 bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int32_t>& b) {
     return a.size() == b.size() &&
            (a.data() == b.data() || std::equal(a.begin(), a.end(), b.begin()));
-}
-
-/// A prim in world space. id: its parent-major instanceId; -1: not instanced.
-struct Placed {
-    MovingTransform worldFromObject;
-    std::int64_t id = -1;
-    std::set<std::string> categories; ///< of the instances
-};
-
-/// The parent's categories and those of one of the instancer's instances.
-std::set<std::string> CategoriesOf(const Placed& parent, const InstancerPrim& instancer,
-                                   std::int32_t index) {
-    std::set<std::string> categories = parent.categories;
-    if (static_cast<std::size_t>(index) < instancer.instanceCategories.size()) {
-        const std::set<std::string>& own =
-            instancer.instanceCategories[static_cast<std::size_t>(index)];
-        categories.insert(own.begin(), own.end());
-    }
-    return categories;
-}
-
-/// Parent-major: the parent's placements are the outer loop.
-std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
-                                 const Shutter& shutter, int chain) {
-    if (placement.instancerPath.empty()) {
-        return {{PlacementTransform(placement, shutter), -1, {}}};
-    }
-    const auto found = scene.instancers.find(placement.instancerPath);
-    if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
-        return {};
-    }
-    const InstancerPrim& instancer = found->second;
-    const std::size_t limit = instancer.instanceTransforms.Size();
-    const SharedSpan<std::int32_t>& instances = placement.instances;
-    const auto count = static_cast<std::int64_t>(instances.size());
-    std::vector<Placed> placements;
-    for (const Placed& parent : PlacementsOf(scene, instancer.placement, shutter, chain + 1)) {
-        for (std::size_t rank = 0; rank < instances.size(); ++rank) {
-            const std::int32_t index = instances[rank];
-            if (index >= 0 && static_cast<std::size_t>(index) < limit) {
-                placements.push_back(
-                    {parent.worldFromObject * InstanceTransform(instancer, index, shutter) *
-                         PlacementTransform(placement, shutter),
-                     std::max<std::int64_t>(parent.id, 0) * count + std::int64_t(rank),
-                     CategoriesOf(parent, instancer, index)});
-            }
-        }
-    }
-    return placements;
 }
 
 class Builder {
@@ -116,39 +72,76 @@ public:
 
     Hierarchy Build(HugeVector<shared::HdsBvhNode> nodes) {
         _result.nodes = std::move(nodes);
+        _numNodesBefore = _result.nodes.size();
         CollectMembers();
         if (_chunking.leastInstances > 0) {
-            _numToChunk = ChooseChunked(nullptr, _roots);
-            std::sort(_chunked.begin(), _chunked.end(), std::less<>());
+            ChooseChunked();
         }
+        while (!BuildGroups()) {
+            _result.nodes.resize(_numNodesBefore);
+            Hierarchy again;
+            again.nodes = std::move(_result.nodes);
+            _result = std::move(again);
+            _groupByPrototype.clear();
+            _numInstanceChunks = 0;
+            CollectMembers();
+        }
+        return std::move(_result);
+    }
+
+private:
+    /// \return false when other groups have chunks than was thought: all is to be done again.
+    bool BuildGroups() {
+        _isChosenAgain = false;
         _result.groups.resize(1); // the TLAS, filled last
         GroupRecords records(_shutter, !IsChunked(nullptr));
         records.Reserve(_roots.size() + _ownLeaves.size());
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
+            if (_isChosenAgain) {
+                return false;
+            }
         }
         std::vector<Member>().swap(_roots); // of many prims they take more than their records
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
-        Finish(std::move(records), IsChunked(nullptr), 0, &_result.bounds);
-        return std::move(_result);
+        const float numPrimitives = records.NumPrimitives();
+        const float ofSingles = records.NumFlatOfSingles();
+        const float ofRuns = records.NumFlatOfRuns();
+        const bool isInChunks = Finish(std::move(records), nullptr, 0, &_result.bounds);
+        _result.flatPart =
+            (ofSingles + (isInChunks ? 0.0F : ofRuns)) / std::max(numPrimitives, 1.0F);
+        return !_isChosenAgain;
     }
 
-private:
-    /// Chooses groups whose records lie in chunks, if they rest: no two on one path, since a ray
+    void ChooseChunked() {
+        _chunked.clear();
+        _numToChunk = ChooseChunked(nullptr, _rootInstancers);
+        std::sort(_chunked.begin(), _chunked.end(), std::less<>());
+    }
+
+    /// A group that was chosen stays in the table: others may take its place.
+    void Refuse(const Prototype* group) {
+        std::vector<const Prototype*> others = _chunked;
+        others.erase(std::find(others.begin(), others.end(), group));
+        _refused.insert(group);
+        ChooseChunked();
+        _isChosenAgain = _isChosenAgain || _chunked != others;
+    }
+
+    /// Chooses groups whose records lie in chunks, if they can: no two on one path, since a ray
     /// remembers one instance chunk around what it waits for, and of one and those below it what
-    /// has more instances. Only counts are looked at: one that moves after all, or places nothing
-    /// that is drawn, keeps its place. \param group null: the TLAS. \return about so many instances
-    /// lie in chunks then.
-    std::uint64_t ChooseChunked(const Prototype* group, const std::vector<Member>& members) {
+    /// has more instances. Only counts are looked at, and what was refused. \param group null: the
+    /// TLAS. \param instancers in it. \return about so many instances lie in chunks then.
+    std::uint64_t ChooseChunked(const Prototype* group,
+                                const std::vector<const std::string*>& instancers) {
         const std::size_t numBefore = _chunked.size();
         std::uint64_t numOwn = 0;
         std::uint64_t numBelow = 0;
-        for (const Member& member : members) {
-            const auto prototypes =
-                member.leaf == nullptr ? _prototypes.find(*member.path) : _prototypes.end();
-            if (prototypes == _prototypes.end() || !_active.insert(*member.path).second) {
+        for (const std::string* path : instancers) {
+            const auto prototypes = _prototypes.find(*path);
+            if (prototypes == _prototypes.end() || !_chosenWay.insert(*path).second) {
                 continue;
             }
             for (const Prototype& prototype : prototypes->second) {
@@ -157,12 +150,12 @@ private:
                     std::count_if(prototype.instances.begin(), prototype.instances.end(),
                                   [](std::int32_t index) { return index >= 0; }));
                 if (prototype.OnlyLeaf() == nullptr) {
-                    numBelow += ChooseChunked(&prototype, prototype.members);
+                    numBelow += ChooseChunked(&prototype, prototype.Instancers());
                 }
             }
-            _active.erase(*member.path);
+            _chosenWay.erase(*path);
         }
-        if (numOwn < _chunking.leastInstances || numOwn < numBelow) {
+        if (numOwn < _chunking.leastInstances || numOwn < numBelow || _refused.count(group) > 0) {
             return numBelow;
         }
         _chunked.resize(numBefore);
@@ -174,9 +167,12 @@ private:
         return std::binary_search(_chunked.begin(), _chunked.end(), group, std::less<>());
     }
 
-    /// Sorts every drawn prim and instancer under the instancer that places it, in path order.
+    /// Sorts every drawn prim and instancer under the instancer that places it, in path order; when
+    /// it is called again, those that none places.
     void CollectMembers() {
+        _roots.clear();
         _roots.reserve(_leaves.size());
+        _ownLeaves.clear();
         auto instancer = _scene.instancers.begin();
         for (const DrawnLeaf& leaf : _leaves) {
             for (; instancer != _scene.instancers.end() && instancer->first < leaf.Path();
@@ -195,6 +191,7 @@ private:
         for (; instancer != _scene.instancers.end(); ++instancer) {
             AddInstancer(instancer->first, instancer->second);
         }
+        _hasPrototypes = true;
     }
 
     void AddInstancer(const std::string& path, const InstancerPrim& instancer) {
@@ -206,8 +203,11 @@ private:
 
     void AddMember(const Placement& placement, Member member) {
         if (placement.instancerPath.empty()) {
+            if (member.leaf == nullptr && !_hasPrototypes) {
+                _rootInstancers.push_back(member.path);
+            }
             _roots.push_back(std::move(member));
-        } else {
+        } else if (!_hasPrototypes) {
             AddToPrototype(placement.instancerPath, std::move(member));
         }
     }
@@ -215,7 +215,7 @@ private:
     std::uint32_t ChainLength(const Placement& placement) const {
         std::uint32_t length = 0;
         std::string parent = placement.instancerPath;
-        while (!parent.empty() && length < kMaxChain) {
+        while (!parent.empty() && length < kMaxInstancerChain) {
             ++length;
             const auto found = _scene.instancers.find(parent);
             parent = found == _scene.instancers.end() ? std::string()
@@ -284,7 +284,7 @@ private:
             groupObject = BuildGroup(prototype, depth + 1, &groupLeaves);
             group.path = instancer.path;
             group.leaf = &groupObject;
-            if (groupLeaves == 0) {
+            if (groupLeaves == 0 || _isChosenAgain) {
                 return;
             }
         }
@@ -321,8 +321,7 @@ private:
             return known->second.first;
         }
         _result.depth = std::max(_result.depth, depth);
-        const bool isChunked = IsChunked(&prototype);
-        GroupRecords records(_shutter, !isChunked);
+        GroupRecords records(_shutter, !IsChunked(&prototype));
         for (const Member& member : prototype.members) {
             AppendMember(member, glm::dmat4(1.0), depth, &records);
         }
@@ -333,7 +332,11 @@ private:
         const auto index = static_cast<std::uint32_t>(_result.groups.size());
         _result.groups.emplace_back();
         *numLeaves = records.NumLeaves();
-        Finish(std::move(records), isChunked, index, &group.bounds);
+        group.numPrimitives = records.NumPrimitives();
+        group.numFlat = records.NumFlatOfSingles() + records.NumFlatOfRuns();
+        if (Finish(std::move(records), &prototype, index, &group.bounds)) {
+            group.numFlat = 0.0F;
+        }
         group.object = ObjectOf(index);
         _groupByPrototype[&prototype] = {group, *numLeaves};
         return group;
@@ -374,13 +377,22 @@ private:
         return groupIndex == 0 ? 0 : _firstGroup + groupIndex - 1;
     }
 
-    /// Makes the group of its records. \param isChunked they lie in chunks, if they can.
-    void Finish(GroupRecords records, bool isChunked, std::uint32_t groupIndex, Bounds* bounds) {
-        const bool mayBeChunked =
-            isChunked && records.NumInRuns() >= _chunking.leastInstances && !records.Moves();
-        if (!mayBeChunked || !FinishInChunks(&records, groupIndex, bounds)) {
+    /// Makes a group of its records, in chunks if it was chosen for that and they rest.
+    /// Where all is to be done again, nothing: some records are not there.
+    /// \param group null: the TLAS. \return whether they lie in chunks.
+    bool Finish(GroupRecords records, const Prototype* group, std::uint32_t groupIndex,
+                Bounds* bounds) {
+        if (!_isChosenAgain && IsChunked(group)) {
+            const bool mayBe = records.NumInRuns() >= _chunking.leastInstances && !records.Moves();
+            if (mayBe && FinishInChunks(&records, groupIndex, bounds)) {
+                return true;
+            }
+            Refuse(group);
+        }
+        if (!_isChosenAgain) {
             FinishGroup(std::move(records), groupIndex, bounds);
         }
+        return false;
     }
 
     /// Builds the group's BVH and appends its records in leaf order.
@@ -513,33 +525,24 @@ private:
     const Shutter& _shutter;
     Warnings& _warnings;
     const InstanceChunkOptions& _chunking;
+    std::size_t _numNodesBefore = 0; ///< nodes to begin with
     std::vector<Member> _roots;
+    std::vector<const std::string*> _rootInstancers; ///< their paths
+    bool _hasPrototypes = false;
     std::vector<const DrawnLeaf*> _ownLeaves;
     std::map<std::string, std::vector<Prototype>> _prototypes;
     std::map<const Prototype*, std::pair<LeafObject, std::uint64_t>> _groupByPrototype;
     std::set<std::string> _active;          ///< instancers being expanded, against cycles
+    std::set<std::string> _chosenWay;       ///< the same of ChooseChunked
     std::vector<const Prototype*> _chunked; ///< groups whose records lie in chunks; null: the TLAS
+    std::set<const Prototype*> _refused;    ///< of those that were chosen once: they cannot
+    bool _isChosenAgain = false;            ///< since BuildGroups began, and otherwise
     std::uint64_t _numToChunk = 0;          ///< about so many records
     std::uint32_t _numInstanceChunks = 0;   ///< so far
     Hierarchy _result;
 };
 
 } // namespace
-
-void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
-                      const std::function<void(const glm::dmat4&)>& onPlacement) {
-    for (const Placed& placed : PlacementsOf(scene, placement, Shutter(), 0)) {
-        onPlacement(placed.worldFromObject.AtFrame());
-    }
-}
-
-void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
-                      const Shutter& shutter,
-                      const std::function<void(const MovingTransform&)>& onPlacement) {
-    for (const Placed& placed : PlacementsOf(scene, placement, shutter, 0)) {
-        onPlacement(placed.worldFromObject);
-    }
-}
 
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,

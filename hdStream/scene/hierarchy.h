@@ -60,7 +60,10 @@ struct Hierarchy {
     std::vector<WorldInstance> worldInstances;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
     std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
-    Bounds bounds;               ///< of the TLAS
+    /// About so much of what is placed a flat hierarchy may take: it takes nothing that instancers
+    /// place in a group or a TLAS whose instances lie in chunks.
+    float flatPart = 1.0F;
+    Bounds bounds; ///< of the TLAS
 };
 
 /// When records of a group, or of the TLAS, lie in chunks.
@@ -86,15 +89,5 @@ Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnL
                          const Shutter& shutter, Warnings& warnings,
                          const InstanceChunkOptions& chunking = {},
                          HugeVector<shared::HdsBvhNode> nodes = {});
-
-/// Placements of an instancer in world space (its own and its ancestors' instances composed,
-/// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For
-/// bounds, at the frame.
-void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
-                      const std::function<void(const glm::dmat4& worldFromObject)>& onPlacement);
-/// The same while the shutter is open, for lights.
-void ForEachPlacement(
-    const SceneDescription& scene, const Placement& placement, const Shutter& shutter,
-    const std::function<void(const MovingTransform& worldFromObject)>& onPlacement);
 
 } // namespace hds

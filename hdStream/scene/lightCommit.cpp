@@ -6,6 +6,7 @@
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/scene/emissiveMeshes.h"
 #include "hdStream/scene/motion.h"
+#include "hdStream/scene/placements.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

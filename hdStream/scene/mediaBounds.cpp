@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/mediaBounds.h"
 
+#include "hdStream/scene/placements.h"
+
 #include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 

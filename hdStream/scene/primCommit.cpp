@@ -290,6 +290,8 @@ void PrimCommit::AddPrim(std::uint32_t index) {
     leaf.flags = (drawn.mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
                  (info.isHair ? HDS_INSTANCE_FIBRE : 0U) |
                  (info.hasMedium ? HDS_INSTANCE_MEDIUM : 0U);
+    leaf.numPrimitives = static_cast<float>(prepared.numTriangles);
+    leaf.numFlat = prim.geometry->primitives == PrimitiveKind::Faces ? leaf.numPrimitives : 0.0F;
     leaf.origin = prepared.origin;
     leaf.bounds = prepared.bounds;
     leaf.worldInstance = info.isEmissive && !hasSplats;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/volumeCommit.h"
 
-#include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/movingGrid.h"
+#include "hdStream/scene/placements.h"
 #include "hdStream/scene/volumeTerms.h"
 #include "hdStream/shading/programWriter.h"
 #include "kernels/shared/frame.h"

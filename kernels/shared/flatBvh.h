@@ -7,12 +7,14 @@
 #define HDS_SHARED_FLAT_BVH_H
 #include "shared/compat.h"
 
-/* HdsFlatNode.child: bits 31..30 kind, 29..0 the node, the leaf, or the record in instances of an
- * instance that is not flattened. */
+/* HdsFlatNode.child: bits 31..30 kind, 29..0 the node, the leaf, or the record of an instance that
+ * is not flattened: of one in an instance chunk HDS_FLAT_IN_CHUNK and its number without
+ * HDS_RECORD_IN_CHUNK, which takes the other 29 bits. */
 #define HDS_FLAT_NODE 0u
 #define HDS_FLAT_LEAF 0x80000000u
 #define HDS_FLAT_INSTANCE 0xc0000000u
 #define HDS_FLAT_KIND 0xc0000000u
+#define HDS_FLAT_IN_CHUNK 0x20000000u
 
 /* Triangles of a leaf. */
 #define HDS_FLAT_TRIANGLES 4
@@ -63,8 +65,8 @@ HDS_ASSERT_SIZE(HdsFlatTransform, 64);
 
 /* A placement of a mesh, through all levels. */
 typedef struct {
-    u32 instance;       /* leaf record in instances */
-    u32 flags;          /* its flags */
+    u32 instance;       /* record that its hits name (HdsHit.instance) */
+    u32 flags;          /* of the leaf record */
     u32 seen;           /* flags that all records on the way have */
     u32 firstTransform; /* on the way, from the TLAS inwards; places with equal ones share them */
     u32 numTransforms;

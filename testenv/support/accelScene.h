@@ -24,6 +24,7 @@ struct AccelPlacement {
     glm::dmat4 parentFromObject{1.0};
     std::uint32_t flags = HDS_INSTANCE_SEEN;
     std::vector<glm::dmat4> keys = {}; ///< of parentFromObject when it moves
+    std::uint32_t instanceCount = 0;   ///< of its record; 0: no instancer places it
 };
 
 /// Tables of a scene. Objects are numbered in the order they are added, from 1 on; object 0 is the

@@ -14,10 +14,11 @@ protected:
     std::size_t ExpectSameHits(const AccelScene& built, const std::vector<ProbeRay>& rays,
                                const AccelUpload& upload = {}) {
         const DeviceAccelScene scene(device, built, upload);
-        const TraversalProbe flat(device, AccelForm::Flat);
         // With chunks of instances hits in groups name another record.
-        const TraversalProbe levels(device, AccelForm::Simd8,
-                                    {{"HDS_FEATURE_INSTANCE_CHUNKS", "0"}});
+        const ProgramDefines defines = {
+            {"HDS_FEATURE_INSTANCE_CHUNKS", built.numInstanceChunks > 0 ? "1" : "0"}};
+        const TraversalProbe flat(device, AccelForm::Flat, defines);
+        const TraversalProbe levels(device, AccelForm::Simd8, defines);
         const Hits expected = levels.Closest(scene, rays);
         EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U);
         EXPECT_EQ(CountDifferentBits(flat.Occluded(scene, rays), levels.Occluded(scene, rays)), 0U);
@@ -70,7 +71,8 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
     for (const FlatAmount amount :
          {FlatAmount{ofAll - 1, kNoMatter, 0.1}, FlatAmount{ofAll, 39.0, 0.1, 0.0},
           FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll - 1)}}) {
-        const FlatBvh& flat = DeviceAccelScene(device, built, {1, {}, amount}).Flat();
+        const DeviceAccelScene scene(device, built, {1, {}, amount});
+        const FlatBvh& flat = scene.Flat();
         EXPECT_EQ(ofAll - flat.numTriangles, 40 * 12U) << "the boxes";
         EXPECT_TRUE(flat.hasInstances);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
@@ -105,11 +107,87 @@ TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
             object = built.AddGroup({{object, place()}, {object, place()}, {mesh, place()}});
         }
         built.SetRoot({{object, place()}, {floor, glm::dmat4(1.0)}, {object, place()}});
-        const FlatBvh& flat = DeviceAccelScene(device, built).Flat();
+        const DeviceAccelScene scene(device, built);
+        const FlatBvh& flat = scene.Flat();
         EXPECT_EQ(flat.hasInstances, levels > HDS_FLAT_MAX_RECORDS) << levels;
         EXPECT_GT(flat.numTriangles, 0U);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 150U) << levels;
     }
+}
+
+/// A few groups and meshes all about, some of them an instancer's.
+std::vector<AccelPlacement> PlaceAbout(const std::vector<std::uint32_t>& objects,
+                                       std::uint32_t count, unsigned seed,
+                                       std::uint32_t instanceCount) {
+    UniformSource uniform(seed);
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const glm::dmat4 moved =
+            glm::translate(glm::dmat4(1.0), 2.0 * glm::dvec3(uniform.Vector()));
+        placements.push_back(
+            {objects[i % objects.size()],
+             glm::rotate(moved, 3.0 * uniform(), glm::normalize(glm::dvec3(uniform.Vector())))});
+        placements.back().instanceCount = i % 4 == 0 ? 0 : instanceCount;
+    }
+    return placements;
+}
+
+// Two of three records of the TLAS lie in chunks: those that no instancer places are flattened.
+TEST_F(FlatBvhTest, FlattensWhatLiesInInstanceChunks) {
+    for (const std::uint32_t numInChunk : {1U, 5U, 64U}) {
+        std::uint64_t ofAll = 0;
+        for (const std::uint32_t instanceCount : {0U, 9U}) {
+            AccelScene built;
+            const std::uint32_t mesh = built.AddMesh(BumpySphere(8), 60);
+            const std::uint32_t box = built.AddMesh(Box(0.5F), 60);
+            const std::uint32_t group = built.AddGroup(PlaceAbout({mesh, box}, 5, 51, 0));
+            built.SetRoot(PlaceAbout({mesh, group, box}, 50, 53, instanceCount), numInChunk);
+            ASSERT_GT(built.numInstanceChunks, 0U);
+            const DeviceAccelScene scene(device, built);
+            const FlatBvh& flat = scene.Flat();
+            EXPECT_EQ(flat.hasInstances, instanceCount > 0);
+            EXPECT_GT(flat.numTriangles, 0U);
+            EXPECT_TRUE(instanceCount == 0 || flat.numTriangles < ofAll);
+            ofAll = flat.numTriangles;
+            EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 300U) << numInChunk;
+        }
+    }
+}
+
+// A group with chunks stays an instance, and what it places counts.
+TEST_F(FlatBvhTest, FlattensWhatIsBesideAGroupWithChunks) {
+    AccelScene built;
+    const std::uint32_t mesh = built.AddMesh(BumpySphere(8), 60);
+    const std::uint32_t large = built.AddMesh(BumpySphere(40), 200);
+    const std::uint32_t inner = built.AddGroup(PlaceAbout({mesh}, 3, 57, 0));
+    const std::uint32_t group = built.AddGroup(PlaceAbout({mesh, inner}, 60, 59, 60), 7);
+    const std::uint32_t outer = built.AddGroup({{group, glm::dmat4(1.0)}, {mesh, glm::dmat4(1.0)}});
+    built.SetRoot(PlaceAbout({group, large, outer}, 6, 61, 0));
+    const DeviceAccelScene scene(device, built);
+    const FlatBvh& flat = scene.Flat();
+    EXPECT_TRUE(flat.hasInstances);
+    const auto trianglesOf = [&](const AccelScene& alone) {
+        return DeviceAccelScene(device, alone).Flat().numTriangles;
+    };
+    AccelScene alone;
+    const std::uint32_t largeAlone = alone.AddMesh(BumpySphere(40), 200);
+    alone.SetRoot({{largeAlone, glm::dmat4(1.0)}});
+    EXPECT_EQ(flat.numTriangles, 2 * trianglesOf(alone));
+    EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 300U);
+    constexpr double kNoMatter = 1e9;
+    const auto isThere = [&](double minShare) {
+        const FlatAmount amount{1U << 28U, kNoMatter, minShare};
+        return !DeviceAccelScene(device, built, {1, {}, amount}).Flat().buffer.empty();
+    };
+    AccelScene one;
+    const std::uint32_t meshAlone = one.AddMesh(BumpySphere(8), 60);
+    one.SetRoot({{meshAlone, glm::dmat4(1.0)}});
+    // Four placements of the group, of 30 meshes and 30 times three; twice one mesh beside it.
+    const double ofMesh = static_cast<double>(trianglesOf(one));
+    const double placed = static_cast<double>(flat.numTriangles) + (4 * 120 + 2) * ofMesh;
+    const double share = static_cast<double>(flat.numTriangles) / placed;
+    EXPECT_TRUE(isThere(share * 0.999));
+    EXPECT_FALSE(isThere(share * 1.001));
 }
 
 TEST_F(FlatBvhTest, TellsCutoutsFromBlockers) {

@@ -2,7 +2,7 @@
 // The view of a mesh's finest instance, against a search over all placements that measures a step
 // in pixels.
 #include "hdStream/scene/dicingViews.h"
-#include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/placements.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>

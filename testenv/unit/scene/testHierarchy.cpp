@@ -2,6 +2,7 @@
 // The hierarchy places the same leaves as a plain flattening of the instancers, and every leaf has
 // a path index of its own.
 #include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/placements.h"
 
 #include "hdStream/scene/transforms.h"
 #include "testenv/support/drawnLeaves.h"

@@ -12,6 +12,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
 #include <string>
 
 namespace hds {
@@ -247,6 +248,53 @@ TEST(InstanceChunks, WorldInstancesAreFoundInTheTable) {
     }
 }
 
+/// Groups below the TLAS hold the records that they have in tables. \param[out] numInTable of each
+/// with chunks the records beside these. \return the numbers of their objects.
+std::vector<std::uint32_t> ExpectRecordsOfGroups(const Hierarchy& chunked, const Hierarchy& tables,
+                                                 std::uint32_t firstGroup,
+                                                 std::vector<std::size_t>* numInTable = nullptr) {
+    std::uint32_t number = 0; // of the chunk among all
+    std::uint32_t tablesGroup = 0;
+    std::vector<std::uint32_t> owners;
+    for (std::uint32_t group = 1; group < chunked.groups.size(); ++group) {
+        const shared::HdsObject& object = chunked.groups[group];
+        if (object.kind == HDS_OBJECT_INSTANCES) {
+            EXPECT_EQ(object.itemBase, number++);
+            continue;
+        }
+        std::uint32_t numStandIns = 0;
+        std::vector<shared::HdsInstance> records =
+            RecordsInTable(chunked, group, firstGroup, &numStandIns);
+        const shared::HdsObject& wanted = tables.groups[++tablesGroup];
+        if (numStandIns > 0) {
+            if (numInTable != nullptr) {
+                numInTable->push_back(records.size());
+            }
+            const InstanceChunks& chunks = *chunked.instanceChunks.at(owners.size());
+            owners.push_back(firstGroup + group - 1);
+            EXPECT_EQ(numStandIns, chunks.NumChunks());
+            for (std::uint32_t chunk = 0; chunk < chunks.NumChunks(); ++chunk) {
+                const auto held = RecordsOf(chunks.Make(chunk)[HDS_PAGE_GEOMETRY], owners.back());
+                records.insert(records.end(), held.begin(), held.end());
+            }
+        }
+        std::sort(records.begin(), records.end(), IsBefore);
+        EXPECT_EQ(records.size(), wanted.numItems);
+        for (std::uint32_t item = 0; item < std::min<std::size_t>(records.size(), wanted.numItems);
+             ++item) {
+            shared::HdsInstance expected =
+                tables.instances[tables.instancesByPath[wanted.itemBase + item]];
+            if (expected.object >= firstGroup) { // groups have other numbers
+                EXPECT_GE(records[item].object, firstGroup);
+                expected.object = records[item].object;
+            }
+            EXPECT_TRUE(IsSame(records[item], expected)) << group << " " << item;
+        }
+    }
+    EXPECT_EQ(tablesGroup + 1, tables.groups.size());
+    return owners;
+}
+
 TEST(InstanceChunks, OfGroupsHoldTheirRecords) {
     const SceneDescription scene = MakeNested(6, 4);
     const std::uint32_t firstGroup = FirstGroup(scene);
@@ -259,57 +307,82 @@ TEST(InstanceChunks, OfGroupsHoldTheirRecords) {
     std::uint32_t numStandIns = 0;
     EXPECT_EQ(RecordsInTable(chunked, 0, firstGroup, &numStandIns).size(), 12U + 4U + 2U);
     EXPECT_EQ(numStandIns, 0U) << "the TLAS places groups that have chunks";
-    std::uint32_t number = 0; // of the chunk among all
-    std::uint32_t tablesGroup = 0;
-    std::size_t numGroups = 0;
-    for (std::uint32_t group = 1; group < chunked.groups.size(); ++group) {
-        const shared::HdsObject& object = chunked.groups[group];
-        if (object.kind == HDS_OBJECT_INSTANCES) {
-            EXPECT_EQ(object.itemBase, number++);
-            continue;
-        }
-        std::vector<shared::HdsInstance> records =
-            RecordsInTable(chunked, group, firstGroup, &numStandIns);
-        const shared::HdsObject& wanted = tables.groups[++tablesGroup];
-        if (numStandIns > 0) {
-            EXPECT_EQ(records.size(), wanted.numItems > 4000 ? 1U : 0U) << "what is large";
-            const InstanceChunks& chunks = *chunked.instanceChunks[numGroups++];
-            EXPECT_EQ(numStandIns, chunks.NumChunks());
-            for (std::uint32_t chunk = 0; chunk < chunks.NumChunks(); ++chunk) {
-                const auto held =
-                    RecordsOf(chunks.Make(chunk)[HDS_PAGE_GEOMETRY], firstGroup + group - 1);
-                records.insert(records.end(), held.begin(), held.end());
-            }
-        }
-        std::sort(records.begin(), records.end(), IsBefore);
-        ASSERT_EQ(records.size(), wanted.numItems);
-        for (std::uint32_t item = 0; item < wanted.numItems; ++item) {
-            shared::HdsInstance expected =
-                tables.instances[tables.instancesByPath[wanted.itemBase + item]];
-            if (expected.object >= firstGroup) { // groups have other numbers
-                EXPECT_GE(records[item].object, firstGroup);
-                expected.object = records[item].object;
-            }
-            EXPECT_TRUE(IsSame(records[item], expected)) << group << " " << item;
+    std::vector<std::size_t> numInTable;
+    EXPECT_EQ(ExpectRecordsOfGroups(chunked, tables, firstGroup, &numInTable).size(), 2U);
+    std::sort(numInTable.begin(), numInTable.end());
+    EXPECT_EQ(numInTable, (std::vector<std::size_t>{0, 1})) << "what is large";
+}
+
+/// The objects of the groups whose records lie in chunks.
+std::set<std::uint32_t> OwnersOf(const Hierarchy& hierarchy) {
+    std::set<std::uint32_t> owners;
+    for (const std::shared_ptr<const InstanceChunks>& chunks : hierarchy.instanceChunks) {
+        shared::HdsPageHeader header{};
+        const ChunkBytes pages = chunks->Make(0);
+        std::memcpy(&header, pages[HDS_PAGE_GEOMETRY].data(), sizeof(header));
+        owners.insert(header.primIds);
+    }
+    return owners;
+}
+
+/// Makes an instancer's instances move while the shutter is open.
+void Move(InstancerPrim* instancer) {
+    std::vector<double> later;
+    for (std::size_t i = 0; i < instancer->instanceTransforms.Size(); ++i) {
+        glm::dmat4 matrix = instancer->instanceTransforms.At(i);
+        matrix[3][0] += 1.0;
+        for (int k = 0; k < 16; ++k) {
+            later.push_back(matrix[k / 4][k % 4]);
         }
     }
-    EXPECT_EQ(numGroups, 2U);
-    EXPECT_EQ(tablesGroup + 1, tables.groups.size());
+    instancer->samples = {{0.0, instancer->instanceTransforms.Matrices()}, {1.0, std::move(later)}};
+}
+
+// By counts alone the TLAS has chunks, or else what it places.
+TEST(InstanceChunks, WhatMovesGivesItsPlaceToOthers) {
+    const Shutter open{0.0, 1.0};
+    SceneDescription scene = MakeNested(8, 2 * kCount);
+    scene.geometry.erase("/world");
+    const std::uint32_t firstGroup = FirstGroup(scene);
+    ASSERT_EQ(Build(scene, 1, open).instanceChunks.size(), 1U);
+    Move(&scene.instancers["/Sea"]);
+    const Hierarchy below = Build(scene, 1, open);
+    EXPECT_EQ(ExpectRecordsOfGroups(below, Build(scene, 0, open), firstGroup).size(), 2U);
+    EXPECT_EQ(below.instanceChunks.size(), 2U);
+    EXPECT_GT(below.motionKeys.size(), 2 * kCount);
+
+    // Of the two groups, which have 5000 and 2500 instances, the larger one moves.
+    constexpr std::uint32_t kInRoot = 3000;
+    SceneDescription other = MakeNested(8, kInRoot);
+    other.geometry.erase("/world");
+    const std::set<std::uint32_t> groups = OwnersOf(Build(other, kInRoot / 2, open));
+    EXPECT_EQ(groups.size(), 2U);
+    EXPECT_EQ(groups.count(0), 0U);
+    Move(&other.instancers["/I"]);
+    EXPECT_EQ(OwnersOf(Build(other, kInRoot / 2, open)), std::set<std::uint32_t>{0});
+}
+
+TEST(InstanceChunks, WhatHasTooFewAfterAllGivesItsPlaceToOthers) {
+    SceneDescription scene = MakeNested(9, 2 * kCount);
+    scene.geometry.erase("/world");
+    const std::uint32_t firstGroup = FirstGroup(scene);
+    constexpr std::uint32_t kLeast = 4000;
+    std::vector<float> scales(6 * std::size_t{kCount}, 0.0F); // cannot be placed
+    std::fill_n(scales.begin(), 3 * (kLeast - 3), 1.0F);      // the first two are placed twice
+    scene.instancers["/Sea"].instanceTransforms.scales = std::move(scales);
+    const Hierarchy below = Build(scene, kLeast);
+    EXPECT_EQ(ExpectRecordsOfGroups(below, Build(scene, 0), firstGroup).size(), 1U);
+    EXPECT_EQ(below.instanceChunks.size(), 1U);
 }
 
 TEST(InstanceChunks, OfNestedGroupsTheLargestHaveThem) {
-    const auto ownerOf = [](const Hierarchy& hierarchy) {
-        EXPECT_EQ(hierarchy.instanceChunks.size(), 1U);
-        shared::HdsPageHeader header{};
-        const ChunkBytes pages = hierarchy.instanceChunks.at(0)->Make(0);
-        std::memcpy(&header, pages[HDS_PAGE_GEOMETRY].data(), sizeof(header));
-        return header.primIds;
-    };
-    EXPECT_EQ(ownerOf(Build(MakeNested(7, 2 * kCount), 1)), 0U) << "the TLAS alone";
+    EXPECT_EQ(OwnersOf(Build(MakeNested(7, 2 * kCount), 1)), std::set<std::uint32_t>{0})
+        << "the TLAS alone";
     const Hierarchy few = Build(MakeNested(7, 40), 1);
     EXPECT_EQ(few.instanceChunks.size(), 2U) << "not the TLAS, not the small group inside";
     const Hierarchy one = Build(MakeNested(7, 40), 3 * kCount / 4);
-    EXPECT_GE(ownerOf(one), FirstGroup(MakeNested(7, 40)));
+    ASSERT_EQ(one.instanceChunks.size(), 1U);
+    EXPECT_GE(*OwnersOf(one).begin(), FirstGroup(MakeNested(7, 40)));
 }
 
 TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
@@ -317,16 +390,7 @@ TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
     const Hierarchy few = Build(scene, kCount);
     EXPECT_TRUE(few.instanceChunks.empty()) << "some of them cannot be placed";
     ExpectSameTables(few, Build(scene, 0)); // though boxes were not kept until that was known
-    InstancerPrim& instancer = scene.instancers["/I"];
-    std::vector<double> later;
-    for (std::uint32_t i = 0; i < kCount; ++i) {
-        glm::dmat4 matrix = instancer.instanceTransforms.At(i);
-        matrix[3][0] += 1.0;
-        for (int k = 0; k < 16; ++k) {
-            later.push_back(matrix[k / 4][k % 4]);
-        }
-    }
-    instancer.samples = {{0.0, instancer.instanceTransforms.Matrices()}, {1.0, std::move(later)}};
+    Move(&scene.instancers["/I"]);
     const Hierarchy moving = Build(scene, 1, Shutter{0.0, 1.0});
     EXPECT_TRUE(moving.instanceChunks.empty());
     EXPECT_GT(moving.motionKeys.size(), kCount);
