@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/pathTracer.h"
 
-#include "hdStream/base/timer.h"
 #include "hdStream/integrator/ambientOcclusion.h"
 #include "hdStream/integrator/catcherLight.h"
 #include "hdStream/integrator/domeGuidePass.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/frameConstants.h"
 #include "hdStream/integrator/kernelSets.h"
-#include "hdStream/integrator/makeResident.h"
+#include "hdStream/integrator/onlooker.h"
 #include "hdStream/integrator/sampleSchedule.h"
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/waveSize.h"
@@ -22,21 +21,6 @@
 #include <utility>
 
 namespace hds {
-
-namespace {
-
-/// Who looks on while a render runs, and whether it is to end.
-struct Onlooker {
-    const ProgressCallback& onProgress;
-    const RenderWatch& watch;
-    Timer timer; ///< since rendering began
-    bool isStopped = false;
-    TracingRate rate = {};
-    std::uint64_t judgedUploads = 0; ///< pages loaded when residency was last thought about
-    std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
-};
-
-} // namespace
 
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
@@ -101,28 +85,34 @@ struct PathTracer::Impl {
                                                 : TraversalForm::Scalar;
     }
 
-    void ReadyPathState() {
-        const auto bytesPerSlot = [](const KernelFeatures& features) {
-            return StageKernels::PathStateBytes(features) + WaveTracer::SlotQueueBytes(features);
-        };
+    static std::uint64_t BytesPerSlot(const KernelFeatures& features) {
+        return StageKernels::PathStateBytes(features) + WaveTracer::SlotQueueBytes(features);
+    }
+
+    /// Of a wave while geometry streams. \param evicts pages leave meanwhile.
+    std::uint64_t AffordableSlots(bool evicts) const {
         const std::uint64_t residentSlots = ResidentWaveSize(device->Properties());
         // Tables of textures that stream are there besides.
         const std::uint64_t otherBytes =
             buffers.Textures().Pool() != nullptr ? buffers.Textures().TableBytes() : 0;
         const std::uint64_t pathBytes =
             StreamedPathBytes(scene->pages->TotalBytes(), buffers.PoolBytes(),
-                              residentSlots * bytesPerSlot(MakeFeatures(false)), otherBytes);
-        const bool hasLists = kernels->Features().HasLists();
-        const bool evicts = hasLists && !buffers.Streaming().HasRoomForAll();
-        const std::uint64_t sumBytes = hasLists ? StreamedPathsPerSlot(options, evicts) *
-                                                      WaveTracer::SumBytes(kernels->Features())
-                                                : 0;
-        const std::uint64_t slotBytes = bytesPerSlot(kernels->Features()) + sumBytes;
+                              residentSlots * BytesPerSlot(MakeFeatures(false)), otherBytes);
+        const KernelFeatures& features = kernels->Features();
+        const std::uint64_t sumBytes = features.HasLists() ? StreamedPathsPerSlot(options, evicts) *
+                                                                 WaveTracer::SumBytes(features)
+                                                           : 0;
+        const std::uint64_t slotBytes = BytesPerSlot(features) + sumBytes;
         const std::uint64_t stateBytes = StreamedStateBytes(
             buffers.PoolBytes(), residentSlots * slotBytes, buffers.GeometryTableBytes());
-        const std::uint64_t affordable = std::min(pathBytes, stateBytes) / slotBytes;
-        const std::uint32_t numSlots =
-            ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
+        return std::min(pathBytes, stateBytes) / slotBytes;
+    }
+
+    void ReadyPathState() {
+        const bool hasLists = kernels->Features().HasLists();
+        const bool evicts = hasLists && !buffers.Streaming().HasRoomForAll();
+        const std::uint32_t numSlots = ChooseWaveSize(
+            options, device->Properties(), buffers.IsStreaming() ? AffordableSlots(evicts) : 0);
         const std::uint32_t numPaths =
             hasLists ? StreamedWavePaths(options, numSlots, evicts) : numSlots;
         tracer.Ready(kernels, scene->hasCutouts, {numSlots, numPaths},
@@ -563,6 +553,11 @@ bool PathTracer::NeedsAllPages(const CommittedScene& scene,
 
 bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& residency) {
     return _impl->SetScene(scene, residency);
+}
+
+bool PathTracer::TakePlaces(const PlaceChanges& changes) {
+    _impl->sceneNumber += changes.arePages ? 1 : 0; // pools may have other buffers
+    return _impl->buffers.TakePlaces(*_impl->scene, changes, _impl->residency);
 }
 
 void PathTracer::Begin(RenderOptions options, const std::vector<FilmSums>& start) {

@@ -10,6 +10,7 @@
 #include "hdStream/integrator/renderStatistics.h"
 #include "hdStream/integrator/sceneBuffers.h"
 #include "hdStream/scene/commit.h"
+#include "hdStream/scene/placeTables.h"
 
 #include <memory>
 #include <vector>
@@ -35,6 +36,9 @@ public:
     /// Uploads a scene, which must live until the next call. \return false when a new path tracer
     /// is needed for it (SceneBuffers::Update). \throws Error when it does not fit the device.
     bool SetScene(const CommittedScene& scene, const ResidencyOptions& residency);
+
+    /// Uploads what is mended of the scene of the last SetScene. \return false as SetScene.
+    bool TakePlaces(const PlaceChanges& changes);
 
     /// Readies a film, path state and kernels for a render of the scene. \param start the film has
     /// these sums (CheckFilmSums), and the samples that follow are rendered; empty: all are.

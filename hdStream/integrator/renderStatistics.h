@@ -23,7 +23,8 @@ struct RenderStatistics {
     /// Sets of rays that are traced to completion together: a bounce of a wave; while geometry
     /// streams with lists all of a wave.
     std::uint64_t rayBatches = 0;
-    std::uint64_t iterations = 0; ///< launches over all rays under way; resident: one a batch
+    std::uint64_t briefBatches = 0; ///< of these: of few rays, with one wait (docs/wavefront.md)
+    std::uint64_t iterations = 0;   ///< launches over all rays under way; resident: one a batch
     std::uint32_t maxIterationsPerBatch = 0;
     std::uint64_t raysRelaunched = 0;
     /// While textures stream: launches that evaluate materials, without and with those of items
@@ -53,6 +54,7 @@ struct RenderStatistics {
         indirectRays = before.indirectRays;
         shadowRays = before.shadowRays;
         rayBatches = before.rayBatches;
+        briefBatches = before.briefBatches;
         iterations = before.iterations;
         maxIterationsPerBatch = before.maxIterationsPerBatch;
         raysRelaunched = before.raysRelaunched;

@@ -42,6 +42,8 @@ const char* const kLabels[] = {"top nodes",
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
 constexpr std::uint64_t kSmallBytes = 64U << 10U;
+/// Elements of a table that are uploaded one by one; of more all are.
+constexpr std::size_t kMostParts = 16;
 /// Of what is missing, loaded between two questions whether to go on.
 constexpr std::uint64_t kBatchBytes = 64U << 20U;
 
@@ -219,6 +221,44 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
         _numLights = static_cast<std::uint32_t>(scene.lights->lights.size());
         _hasDomeGuide = false;
     }
+    return true;
+}
+
+/// CPU devices read tables in place where those of the scene are: there nothing is to be done.
+template <typename T>
+void SceneBuffers::UploadParts(Table table, const HugeVector<T>& values,
+                               const std::vector<std::uint32_t>& parts) {
+    if (_isInPlace[table]) {
+        return;
+    }
+    if (parts.size() > kMostParts) {
+        _tables[table].Write(values.data(), values.size() * sizeof(T));
+        return;
+    }
+    for (const std::uint32_t part : parts) {
+        _tables[table].Write(&values[part], sizeof(T), std::uint64_t{part} * sizeof(T));
+    }
+}
+
+bool SceneBuffers::TakePlaces(const CommittedScene& scene, const PlaceChanges& changes,
+                              const ResidencyOptions& residency) {
+    _flat.Clear();
+    if (changes.arePages && !UpdatePages(scene, residency)) {
+        return false;
+    }
+    UploadParts(TopNodes, scene.topNodes, changes.nodes);
+    if (!changes.areOthers) {
+        UploadParts(Instances, scene.instances, changes.instances);
+        return true;
+    }
+    const auto upload = [this](Table table, const auto& values) {
+        if (!_isInPlace[table]) {
+            _tables[table].Write(values.data(), values.size() * sizeof(values[0]));
+        }
+    };
+    upload(Instances, scene.instances);
+    upload(InstancesByPath, scene.instancesByPath);
+    upload(Objects, scene.objects);
     return true;
 }
 

@@ -9,6 +9,7 @@
 #include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/sceneTextures.h"
 #include "hdStream/scene/commit.h"
+#include "hdStream/scene/placeTables.h"
 #include "hdStream/stream/streamingPool.h"
 
 #include <array>
@@ -28,6 +29,11 @@ public:
     /// when the pages of edited scenes have scattered the pool: start again with new SceneBuffers.
     /// \throws Error when the scene does not fit the device.
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
+
+    /// Uploads what is mended of the scene of the last Update. Blocks. Where no pages are others
+    /// kernels stay bound. \return false, and \throws, as Update.
+    bool TakePlaces(const CommittedScene& scene, const PlaceChanges& changes,
+                    const ResidencyOptions& residency);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
     /// \param features of the kernel: at least what the scene needs.
@@ -135,6 +141,10 @@ private:
     template <typename T>
     void Upload(Table table, const HugeVector<T>& values);
     void Upload(Table table, const void* values, std::uint64_t bytes);
+    /// Elements of a table that has as many as before.
+    template <typename T>
+    void UploadParts(Table table, const HugeVector<T>& values,
+                     const std::vector<std::uint32_t>& parts);
     void UploadBrickBounds(const CommittedVolumes& volumes);
 
     std::shared_ptr<Device> _device;

@@ -141,6 +141,7 @@ WaveTracer::Counts WaveTracer::TraceAndShade(std::uint32_t active, std::uint32_t
     const Timer timer;
     const double requestSeconds = RequestSeconds();
     _statistics->shadowRays += numShadows;
+    ++_statistics->briefBatches;
     _launches->TraceBatch(_present, active, WaveQueues::kShadowQueue, numShadows);
     if (active > 0) {
         ShadeItems(_queues.Queue(_present), active, _queues.Queue(1 - _present), shade);

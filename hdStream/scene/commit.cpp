@@ -322,6 +322,7 @@ std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
     if (isCancelled && isCancelled()) {
         return nullptr;
     }
+    prims->ForgetTables();
     auto result =
         Committer(*inWorkingSpace, options, cache, warnings, prims, prims == cache->prims).Run();
     result->seconds =

@@ -3,7 +3,7 @@
 
 #include "hdStream/geometry/awayArrays.h"
 #include "hdStream/geometry/subdivSource.h"
-#include "hdStream/scene/drawnPaths.h"
+#include "hdStream/scene/drawnPrims.h"
 #include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/rayVisibility.h"
@@ -15,23 +15,6 @@
 namespace hds {
 
 namespace {
-
-/// What rays see of a prim, and what they see in its place.
-constexpr std::uint32_t kSeenFlags =
-    HDS_INSTANCE_SEEN | HDS_INSTANCE_HOLDOUT | HDS_INSTANCE_CATCHER;
-
-/// Whether a prim is drawn where it is visible.
-bool MayBeDrawn(const GeometryStore::Entry& entry, const CommitOptions& options) {
-    const auto& [path, prim] = entry;
-    const std::vector<std::string>& purposes = options.purposes;
-    return prim.geometry &&
-           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end() &&
-           IsDrawnPath(path, options.drawnPaths, options.hiddenPaths);
-}
-
-bool IsVisible(const GeometryStore::Entry& entry) {
-    return entry.second.placement.visible;
-}
 
 /// HDS_PRIM_CULL_* of a prim.
 std::uint32_t CullFlags(const GeometryPrim& prim, CullStyle fallback) {
@@ -67,28 +50,6 @@ bool RefusesAutobump(const std::vector<Primvar>& primvars) {
         }
     }
     return false;
-}
-
-void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives,
-               CommittedScene* scene) {
-    SceneCounts& counts = scene->counts;
-    switch (geometry.primitives) {
-    case PrimitiveKind::Faces:
-        counts.triangles += numPrimitives;
-        ++counts.meshes;
-        return;
-    case PrimitiveKind::Curves:
-        counts.curves += geometry.faceVertexCounts.size();
-        break;
-    case PrimitiveKind::Points:
-        counts.points += numPrimitives;
-        break;
-    case PrimitiveKind::Splats:
-        counts.splats += numPrimitives;
-        scene->hasSplats = true;
-        break;
-    }
-    scene->hasCurves = true;
 }
 
 /// Whether geometry can be put in the place of other geometry without a change of other tables.
@@ -281,6 +242,7 @@ void PrimCommit::AddPrim(std::uint32_t index) {
     }
     DrawnPrim& drawn = _drawn[index];
     drawn.hasChunks = true;
+    drawn.firstLeaf = _leaves.size();
     drawn.numPrimitives = prepared.numTriangles;
     drawn.isGlass = info.isGlass;
     drawn.mayPass = info.hasCutouts || info.isGlass || cullFlags != 0;
@@ -331,9 +293,18 @@ bool PrimCommit::OutlivesPlaces() const {
 }
 
 bool PrimCommit::IsStillTrue() const {
-    return std::none_of(_hidden.begin(), _hidden.end(),
+    return !_isSpoilt &&
+           std::none_of(_hidden.begin(), _hidden.end(),
                         [](const GeometryEntry* entry) { return IsVisible(*entry); }) &&
            AreTablesOfTheVisible() && AreViewsAsBefore();
+}
+
+/// Whether tables know prims by numbers, or by their order.
+bool PrimCommit::ArePrimsKnownByNumber() const {
+    return _options.keepsNames || !materials.meshMedia.empty() ||
+           !prims.instancePrimvars.slots.empty() ||
+           std::any_of(_drawn.begin(), _drawn.end(),
+                       [](const DrawnPrim& drawn) { return drawn.entry->second.primId < 0; });
 }
 
 /// Whether tables of the prims that were visible say nothing that those of the ones that still are
@@ -343,11 +314,7 @@ bool PrimCommit::AreTablesOfTheVisible() const {
     if (std::none_of(_drawn.begin(), _drawn.end(), isHidden)) {
         return true;
     }
-    const bool areNumberedByOrder =
-        std::any_of(_drawn.begin(), _drawn.end(),
-                    [](const DrawnPrim& drawn) { return drawn.entry->second.primId < 0; });
-    if (areNumberedByOrder || _options.keepsNames || !materials.meshMedia.empty() ||
-        !prims.instancePrimvars.slots.empty()) {
+    if (ArePrimsKnownByNumber()) {
         return false;
     }
     std::set<const CachedMaterial*> all;
@@ -375,6 +342,10 @@ bool PrimCommit::AreViewsAsBefore() const {
             visible.push_back(drawn.entry);
         }
     }
+    return AreViewsAsBefore(visible);
+}
+
+bool PrimCommit::AreViewsAsBefore(const std::vector<const GeometryEntry*>& visible) const {
     const auto views = FindDicingViews(_scene, visible, *_options.dicingCamera);
     return std::all_of(views.begin(), views.end(), [this](const auto& view) {
         const auto before = _views.find(view.first);
@@ -382,21 +353,30 @@ bool PrimCommit::AreViewsAsBefore() const {
     });
 }
 
+/// In `_drawn`; its size: the prim was not drawn.
+std::size_t PrimCommit::IndexOf(const std::string& path) const {
+    const auto drawn = std::lower_bound(
+        _drawn.begin(), _drawn.end(), path,
+        [](const DrawnPrim& one, const std::string& wanted) { return one.entry->first < wanted; });
+    const bool isThere = drawn != _drawn.end() && drawn->entry->first == path;
+    return isThere ? static_cast<std::size_t>(drawn - _drawn.begin()) : _drawn.size();
+}
+
 /// Where the prims at `paths` are in `_drawn`; nothing: other tables depend on the shape of some.
 std::optional<std::vector<std::size_t>>
 PrimCommit::FindReshaped(const std::set<std::string>& paths) const {
     std::vector<std::size_t> indices;
     for (const std::string& path : paths) {
-        const auto drawn = std::lower_bound(_drawn.begin(), _drawn.end(), path,
-                                            [](const DrawnPrim& one, const std::string& wanted) {
-                                                return one.entry->first < wanted;
-                                            });
-        const bool isThere = drawn != _drawn.end() && drawn->entry->first == path;
-        if (!isThere || !IsVisible(*drawn->entry) || !drawn->hasChunks || drawn->deforms ||
-            drawn->entry->second.geometry->primitives == PrimitiveKind::Splats) {
+        const std::size_t index = IndexOf(path);
+        if (index == _drawn.size()) {
             return std::nullopt;
         }
-        indices.push_back(static_cast<std::size_t>(drawn - _drawn.begin()));
+        const DrawnPrim& drawn = _drawn[index];
+        if (!IsVisible(*drawn.entry) || !drawn.hasChunks || drawn.deforms ||
+            drawn.entry->second.geometry->primitives == PrimitiveKind::Splats) {
+            return std::nullopt;
+        }
+        indices.push_back(index);
     }
     return indices;
 }
@@ -425,6 +405,7 @@ PrimCommit::Reshaped PrimCommit::Reshape(const std::set<std::string>& paths,
         _cache.geometry.Replace(index, inputs[i], planned[i]); // nothing is planned twice
     }
     if (!areAlike) {
+        _isSpoilt = true; // tables are of shapes that the store has no more
         return Reshaped::Otherwise;
     }
     auto pages = std::make_shared<GeometryPages>(*prims.pages); // other scenes keep theirs
@@ -447,10 +428,7 @@ void PrimCommit::TakeShape(std::size_t index, GeometryPages* pages) {
     prims.primAttributes[index] = &prepared.attributes;
     DrawnPrim& drawn = _drawn[index];
     drawn.numPrimitives = prepared.numTriangles;
-    const std::string& path = drawn.entry->first;
-    auto leaf = std::lower_bound(
-        _leaves.begin(), _leaves.end(), path,
-        [](const DrawnLeaf& one, const std::string& wanted) { return one.Path() < wanted; });
+    auto leaf = _leaves.begin() + static_cast<std::ptrdiff_t>(drawn.firstLeaf);
     for (; leaf != _leaves.end() && leaf->entry == drawn.entry; ++leaf) {
         leaf->object.bounds = prepared.bounds;
     }
@@ -473,7 +451,10 @@ void PrimCommit::Describe(CommittedScene* scene) const {
         if (drawn.hasChunks) {
             scene->hasGlassShadows = scene->hasGlassShadows || drawn.isGlass;
             scene->hasCutouts = scene->hasCutouts || drawn.mayPass;
-            CountPrim(*drawn.entry->second.geometry, drawn.numPrimitives, scene);
+            const GeometryDescription& geometry = *drawn.entry->second.geometry;
+            scene->hasCurves = scene->hasCurves || geometry.primitives != PrimitiveKind::Faces;
+            scene->hasSplats = scene->hasSplats || geometry.primitives == PrimitiveKind::Splats;
+            CountPrim(geometry, drawn.numPrimitives, &scene->counts);
         }
     }
     for (const DrawnLeaf& leaf : _leaves) {

@@ -9,8 +9,11 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/materialCommit.h"
+#include "hdStream/scene/placeTables.h"
 
+#include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -43,6 +46,16 @@ public:
     /// no use any more.
     Reshaped Reshape(const std::set<std::string>& paths, const CancelCallback& isCancelled);
 
+    /// Brings the tables of a scene to what prims are now. \pre Run would make the same; the last
+    /// commit has made `scene` of it; since then nothing but places of the prims at `paths` has
+    /// changed, and shapes of those that the cache knows of, which are among them.
+    /// \return Done; else the scene has to be committed. Cancelled: prims are as before;
+    /// Otherwise: if they are still what another commit would make of them, IsStillTrue says so.
+    Reshaped Mend(const std::set<std::string>& paths, CommittedScene* scene, PlaceChanges* changes,
+                  const CancelCallback& isCancelled);
+    /// Before another commit of it, whose tables are others.
+    void ForgetTables();
+
     const CommitOptions& Options() const { return _options; }
 
     /// The leaves of the prims that are visible now, in the order of paths.
@@ -67,9 +80,19 @@ private:
         const GeometryEntry* entry = nullptr;
         std::uint64_t numPrimitives = 0;
         bool hasChunks = false;
-        bool mayPass = false; ///< rays may pass its surface
-        bool isGlass = false; ///< PrimMaterialInfo::isGlass
-        bool deforms = false; ///< while the shutter is open
+        std::size_t firstLeaf = 0; ///< of its leaves, if it has chunks
+        bool mayPass = false;      ///< rays may pass its surface
+        bool isGlass = false;      ///< PrimMaterialInfo::isGlass
+        bool deforms = false;      ///< while the shutter is open
+    };
+
+    /// How many of the prims that the tables of a scene show are of a kind that the whole scene is
+    /// said to have, and use a material.
+    struct Shown {
+        static constexpr std::size_t kNumKinds = 6;
+        std::array<std::uint32_t, kNumKinds> kinds{};
+        std::map<const CachedMaterial*, std::uint32_t> users;
+        bool mayHide = true; ///< no other table knows prims by their number
     };
 
     std::vector<const GeometryEntry*> FindDrawn();
@@ -83,6 +106,17 @@ private:
     std::optional<std::vector<std::size_t>> FindReshaped(const std::set<std::string>& paths) const;
     void TakeShape(std::size_t index, GeometryPages* pages);
     bool AreViewsAsBefore() const;
+    bool AreViewsAsBefore(const std::vector<const GeometryEntry*>& visible) const;
+    std::optional<std::vector<std::size_t>> FindMoved(const std::set<std::string>& paths,
+                                                      CommittedScene* scene);
+    Reshaped GiveShapes(CommittedScene* scene, PlaceChanges* changes,
+                        const CancelCallback& isCancelled);
+    void Count(std::size_t index, bool isAdded, CommittedScene* scene) const;
+    std::array<bool, Shown::kNumKinds> KindsOf(std::size_t index) const;
+    bool ArePrimsKnownByNumber() const;
+    void CountShown();
+    bool HideOrShow(std::size_t index, bool isVisible, CommittedScene* scene);
+    std::size_t IndexOf(const std::string& path) const;
     bool AreTablesOfTheVisible() const;
 
     const SceneDescription& _scene;
@@ -94,7 +128,10 @@ private:
     std::vector<const GeometryEntry*> _hidden; ///< would be drawn if they were visible
     std::vector<std::uint32_t> _objectOfDrawn; ///< in the order of paths
     std::vector<DrawnLeaf> _leaves;            ///< in the order of paths
+    bool _isSpoilt = false;                    ///< by a Reshape that was Otherwise
     std::map<std::string, DicingView> _views;  ///< of subdivided meshes
+    std::unique_ptr<PlaceTables> _places;      ///< of the last scene, from the first Move on
+    std::optional<Shown> _shown;               ///< likewise, from the first that hides or shows
 };
 
 } // namespace hds

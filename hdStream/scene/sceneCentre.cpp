@@ -12,39 +12,37 @@ namespace {
 /// How far from the origin a scene may lie, in half diagonals, before it is recentred.
 constexpr double kMaxRelativeDistance = 4.0;
 
-struct DoubleBounds {
-    glm::dvec3 min{1e300};
-    glm::dvec3 max{-1e300};
-    void Extend(const glm::dvec3& point) {
-        if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)) {
-            min = glm::min(min, point);
-            max = glm::max(max, point);
-        }
-    }
-};
+} // namespace
 
-void ExtendByLeaf(const glm::dmat4& worldFromObject, const LeafObject& leaf, DoubleBounds* bounds) {
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 point((corner & 1) != 0 ? leaf.bounds.max.x : leaf.bounds.min.x,
-                               (corner & 2) != 0 ? leaf.bounds.max.y : leaf.bounds.min.y,
-                               (corner & 4) != 0 ? leaf.bounds.max.z : leaf.bounds.min.z);
-        bounds->Extend(glm::dvec3(worldFromObject * glm::dvec4(leaf.origin + point, 1.0)));
+void Reach::Extend(const glm::dvec3& point) {
+    if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)) {
+        min = glm::min(min, point);
+        max = glm::max(max, point);
     }
 }
 
-} // namespace
-
-glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves) {
-    DoubleBounds bounds;
-    for (const DrawnLeaf& leaf : leaves) {
-        const Placement& placement = leaf.Prim().placement;
-        if (placement.instancerPath.empty()) {
-            ExtendByLeaf(placement.worldFromObject, leaf.object, &bounds);
-        }
+Reach ReachOfLeaf(const DrawnLeaf& leaf) {
+    Reach reach;
+    const Placement& placement = leaf.Prim().placement;
+    if (!placement.instancerPath.empty()) {
+        return reach;
     }
+    const LeafObject& object = leaf.object;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 point((corner & 1) != 0 ? object.bounds.max.x : object.bounds.min.x,
+                               (corner & 2) != 0 ? object.bounds.max.y : object.bounds.min.y,
+                               (corner & 4) != 0 ? object.bounds.max.z : object.bounds.min.z);
+        reach.Extend(
+            glm::dvec3(placement.worldFromObject * glm::dvec4(object.origin + point, 1.0)));
+    }
+    return reach;
+}
+
+Reach ReachBesideLeaves(const SceneDescription& scene) {
+    Reach reach;
     for (const auto& [path, volume] : scene.volumes) {
         if (volume.placement.instancerPath.empty() && volume.placement.visible) {
-            bounds.Extend(glm::dvec3(volume.placement.worldFromObject[3]));
+            reach.Extend(glm::dvec3(volume.placement.worldFromObject[3]));
         }
     }
     for (const auto& [path, instancer] : scene.instancers) {
@@ -54,14 +52,18 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<Dr
         for (std::size_t i = 0; i < instancer.instanceTransforms.Size(); ++i) {
             const glm::dmat4 transform =
                 instancer.placement.worldFromObject * instancer.instanceTransforms.At(i);
-            bounds.Extend(glm::dvec3(transform[3]));
+            reach.Extend(glm::dvec3(transform[3]));
         }
     }
-    if (bounds.min.x > bounds.max.x) {
+    return reach;
+}
+
+glm::dvec3 CentreOfReach(const Reach& reach) {
+    if (reach.min.x > reach.max.x) {
         return glm::dvec3(0.0);
     }
-    const glm::dvec3 middle = 0.5 * (bounds.min + bounds.max);
-    const double halfDiagonal = 0.5 * glm::length(bounds.max - bounds.min);
+    const glm::dvec3 middle = 0.5 * (reach.min + reach.max);
+    const double halfDiagonal = 0.5 * glm::length(reach.max - reach.min);
     if (glm::length(middle) <= kMaxRelativeDistance * halfDiagonal) {
         return glm::dvec3(0.0);
     }
@@ -69,6 +71,14 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<Dr
     // positions that are themselves round.
     const double step = halfDiagonal > 0.0 ? std::exp2(std::floor(std::log2(halfDiagonal))) : 0.0;
     return step > 0.0 ? glm::round(middle / step) * step : middle;
+}
+
+glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves) {
+    Reach reach = ReachBesideLeaves(scene);
+    for (const DrawnLeaf& leaf : leaves) {
+        reach.Extend(ReachOfLeaf(leaf));
+    }
+    return CentreOfReach(reach);
 }
 
 } // namespace hds

@@ -4,11 +4,34 @@
 
 #include "hdStream/scene/hierarchy.h"
 
+#include <glm/common.hpp>
+
 namespace hds {
 
-/// The middle of the drawn prims' placements (instances by their own origins), or the world's
-/// origin for a scene that is not far from it: at most four times its own half diagonal away.
-/// Positions near the origin so keep their authored bits.
+/// How far placements go in world space; of nothing it is inside out.
+struct Reach {
+    glm::dvec3 min{1e300};
+    glm::dvec3 max{-1e300};
+
+    /// Of points that are not finite nothing.
+    void Extend(const glm::dvec3& point);
+    void Extend(const Reach& other) {
+        min = glm::min(min, other.min);
+        max = glm::max(max, other.max);
+    }
+};
+
+/// Of a prim that no instancer places; of others, which count by their instances' origins, nothing.
+Reach ReachOfLeaf(const DrawnLeaf& leaf);
+/// Of the volumes and the instances.
+Reach ReachBesideLeaves(const SceneDescription& scene);
+
+/// The middle of all that is reached, or the world's origin for a scene that is not far from it: at
+/// most four times its own half diagonal away. Positions near the origin so keep their authored
+/// bits.
+glm::dvec3 CentreOfReach(const Reach& reach);
+
+/// Of the drawn prims' placements (instances by their own origins).
 glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves);
 
 } // namespace hds

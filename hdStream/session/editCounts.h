@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 
 namespace hds {
@@ -22,24 +23,46 @@ public:
     /// Of those that do not leave what the cache has of prims (CommitCache::contentVersion).
     std::uint64_t Content() const { return _content; }
 
+    /// Prims that have moved, gone or come back, or have another shape (CommitCache::reshaped),
+    /// since the last commit, if nothing else has happened to the scene; else null.
+    const std::set<std::string>* Moved() const { return _isMovedAlone ? &_moved : nullptr; }
+    /// There is a commit of the scene as it is now.
+    void NoteCommit() {
+        _moved.clear();
+        _isMovedAlone = true;
+    }
+
     /// Before a prim of a path comes into the place of what is there.
     template <typename Prim>
     void Count(const std::map<std::string, Prim>& prims, const std::string& path,
                const Prim& after) {
         const auto before = prims.find(path);
         ++_scene;
-        const bool leavesPrims = before != prims.end() && (LeavesPrims(before->second, after) ||
-                                                           Reshapes(path, before->second, after));
-        _content += leavesPrims ? 0 : 1;
+        const bool isKnown = before != prims.end();
+        if (isKnown &&
+            (LeavesPrims(before->second, after) || Reshapes(path, before->second, after))) {
+            NoteMoved(path, after);
+            return;
+        }
+        _isMovedAlone = false;
+        ++_content;
     }
 
     /// Any other edit.
     void Count() {
         ++_scene;
         ++_content;
+        _isMovedAlone = false;
     }
 
 private:
+    void NoteMoved(const std::string& path, const GeometryPrim& /*prim*/) { _moved.insert(path); }
+    /// What places others, or lights them.
+    template <typename Prim>
+    void NoteMoved(const std::string& /*path*/, const Prim& /*prim*/) {
+        _isMovedAlone = false;
+    }
+
     template <typename Prim>
     bool Reshapes(const std::string& /*path*/, const Prim& /*before*/, const Prim& /*after*/) {
         return false;
@@ -58,6 +81,8 @@ private:
     CommitCache& _cache;
     std::uint64_t _scene = 1;
     std::uint64_t _content = 1;
+    std::set<std::string> _moved;
+    bool _isMovedAlone = false;
 };
 
 } // namespace hds

@@ -20,6 +20,8 @@ namespace {
 
 /// Statuses without a picture are at least this far apart, in seconds.
 constexpr double kStatusInterval = 0.1;
+/// Statistics are made again when they are so old, in seconds, though edits follow each other fast.
+constexpr double kOldestStatistics = 0.5;
 
 } // namespace
 
@@ -186,9 +188,13 @@ struct RenderThread::Impl {
             // Who edits waits for the first pictures, which follow each other fast.
             const bool isSoon =
                 _isInteractive && !status->isFinal && _timer.Seconds() < kStatusInterval;
-            status->statistics = isSoon && !_statisticsBefore.empty() ? _statisticsBefore
-                                 : _impl->session.HasImage()          ? _impl->session.Statistics()
-                                                                      : "";
+            const bool isOld = _impl->sinceStatistics.Seconds() >= kOldestStatistics;
+            if (isSoon && !isOld && !_statisticsBefore.empty()) {
+                status->statistics = _statisticsBefore;
+            } else if (_impl->session.HasImage()) {
+                status->statistics = _impl->session.Statistics();
+                _impl->sinceStatistics = Timer();
+            }
         }
 
         Impl* _impl;
@@ -226,7 +232,8 @@ struct RenderThread::Impl {
     }
 
     // --- State; everything but the session is guarded by the mutex ------------------------------
-    Session session; ///< touched by the render thread only
+    Session session;       ///< touched by the render thread only
+    Timer sinceStatistics; ///< were made; likewise
     mutable std::mutex mutex;
     std::condition_variable changed;
     std::vector<Edit> inbox;

@@ -5,10 +5,8 @@
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/poclCache.h"
 #include "hdStream/integrator/dicingCamera.h"
-#include "hdStream/integrator/generalKernels.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/integrator/sceneFeatures.h"
-#include "hdStream/integrator/stageKernels.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/scene/dump.h"
@@ -52,11 +50,6 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The folder's page store as files: its index is not read.
-PageStore UnopenedPages(const std::string& directory) {
-    return {{directory, false}, nullptr};
-}
-
 /// What the present commit was made of.
 struct CommitKey {
     std::uint64_t sceneVersion = 0;
@@ -80,43 +73,6 @@ void FillAlpha(std::vector<ImageLayer>* layers) {
 
 std::vector<DeviceInfo> ListDevices() {
     return ListDeviceProperties();
-}
-
-CacheState InspectCache(const std::string& directory) {
-    const Store store({directory, true}, nullptr);
-    return {store.Directory(), store.Size() + UnopenedPages(directory).Size()};
-}
-
-std::uint64_t ClearCache(const std::string& directory) {
-    return Store({directory, true}, nullptr).Clear() + UnopenedPages(directory).Clear();
-}
-
-std::vector<std::string> PrepareKernels(const std::string& device, const std::string& directory) {
-    Warnings warnings;
-    const std::shared_ptr<Device> chosen = Device::Create(device);
-    Store store({directory, true}, &warnings);
-    if (!chosen->Properties().hasSlowBinaries || !store.IsEnabled()) {
-        return warnings.Lines();
-    }
-    chosen->SetCompilers(
-        std::make_unique<KernelCompilers>(chosen->Properties(), &store, &warnings));
-    std::vector<KernelFeatures> sets = AllGeneralFeatures();
-    sets.erase(std::remove_if(sets.begin(), sets.end(),
-                              [&](const KernelFeatures& features) {
-                                  return StageKernels::AreInStore(*chosen, store, features);
-                              }),
-               sets.end());
-    const ProgramSource anyScenes = TexturePool::KernelSource(*chosen);
-    Program::Announce(*chosen, {anyScenes}, &store);
-    for (const KernelFeatures& features : sets) {
-        StageKernels::Announce(*chosen, &store, features);
-    }
-    Program(chosen, anyScenes, &store).SaveBinary(&store);
-    for (const KernelFeatures& features : sets) {
-        StageKernels(chosen, &store, features).SaveBinaries(&store);
-    }
-    chosen->SetCompilers(nullptr); // they write to the store
-    return warnings.Lines();
 }
 
 struct Session::Impl {
@@ -209,6 +165,48 @@ struct Session::Impl {
         return statistics.sceneBytes >= before + kLargeScene;
     }
 
+    /// Whether a scene may have records that were hidden: the flat hierarchy would show them.
+    static bool MaySeeMended(const Settings& settings) {
+        return settings.interactive && settings.traversal != "flat";
+    }
+
+    /// Mends the scene and its tables where edits have only moved and reshaped prims since the last
+    /// commit. \return Done; Cancelled; Otherwise: it has to be committed.
+    PrimCommit::Reshaped MendCommit(const Settings& settings, const CommitKey& key,
+                                    const CancelCallback& isCancelled) {
+        using Result = PrimCommit::Reshaped;
+        const auto start = std::chrono::steady_clock::now();
+        const std::set<std::string>* moved = edits.Moved();
+        if (moved == nullptr || !cache.prims || cache.primsVersion != edits.Content()) {
+            return Result::Otherwise;
+        }
+        const bool isShapes = !cache.reshaped.empty();
+        committed.reset(); // until tables hold all of it
+        PlaceChanges changes;
+        const Result result = cache.prims->Mend(*moved, scene.get(), &changes, isCancelled);
+        if (result != Result::Done) {
+            return result;
+        }
+        if (isShapes) {
+            ShareHostMemory(settings);
+            statistics.keptArrays = sizes.Arrays();
+            const bool isEager =
+                key.residency.preparesAll || tracer->NeedsAllPages(*scene, key.residency);
+            if (isEager && !scene->pages->PrepareAll(isCancelled)) {
+                return Result::Cancelled;
+            }
+        }
+        if (!tracer->TakePlaces(changes)) {
+            return Result::Otherwise;
+        }
+        committed = key;
+        isMended = true;
+        statistics.primsMended = moved->size();
+        edits.NoteCommit();
+        statistics.commitSeconds = SecondsSince(start);
+        return result;
+    }
+
     /// The scene in device memory. \return false when it was cancelled.
     bool Commit(const Settings& settings, const RenderOptions& options,
                 const CancelCallback& isCancelled) {
@@ -216,11 +214,19 @@ struct Session::Impl {
         commitOptions.dicingCamera = dicingCamera;
         commitOptions.shutter = options.shutter;
         ResidencyOptions residency = MakeResidencyOptions(settings);
-        if (tracer && committed && committed->sceneVersion == edits.Scene() &&
-            committed->options == commitOptions && committed->residency == residency) {
+        const CommitKey key{edits.Scene(), commitOptions, residency};
+        const bool isSameMaking = tracer && committed && committed->options == commitOptions &&
+                                  committed->residency == residency &&
+                                  (!isMended || MaySeeMended(settings));
+        if (isSameMaking && committed->sceneVersion == edits.Scene()) {
             return true;
         }
-        const CommitKey key{edits.Scene(), commitOptions, residency};
+        if (isSameMaking && MaySeeMended(settings)) {
+            const PrimCommit::Reshaped mended = MendCommit(settings, key, isCancelled);
+            if (mended != PrimCommit::Reshaped::Otherwise) {
+                return mended == PrimCommit::Reshaped::Done;
+            }
+        }
         committed.reset();
         ShareHostMemory(settings);
         const bool isMuchNew = NoteGrowth();
@@ -253,6 +259,8 @@ struct Session::Impl {
         }
         scene = std::move(next);
         committed = key;
+        isMended = false;
+        edits.NoteCommit();
         statistics.commitSeconds = scene->seconds;
         statistics.keptArrays = sizes.Arrays();
         return true;
@@ -277,6 +285,7 @@ struct Session::Impl {
     /// What is counted is of the render that begins.
     void BeginStatistics() {
         statistics.commitSeconds = 0.0;
+        statistics.primsMended = 0;
         cache.pages.BeginStatistics();
         cache.geometry.Sources().BeginPeak();
         statistics.arrayBytesReadBefore = ArraySource::Counts().readBytes;
@@ -355,6 +364,7 @@ struct Session::Impl {
     std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
+    bool isMended = false;              ///< `scene` is, since its commit
     std::unique_ptr<PathTracer> tracer;
     bool hasFilm = false;  ///< the tracer has begun a render
     bool isOpaque = false; ///< the background of the present render

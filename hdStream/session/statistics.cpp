@@ -83,6 +83,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"uploads", pool.uploads},
             {"evictions", pool.evictions},
             {"rayBatches", render.rayBatches},
+            {"briefBatches", render.briefBatches},
             {"iterations", render.iterations},
             {"maxIterationsPerBatch", render.maxIterationsPerBatch},
             {"raysRelaunched", render.raysRelaunched},
@@ -90,6 +91,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"chunksTouched", pool.chunksUsed},
             {"chunksBuilt", in.pages->NumBuilt()},
             {"chunksFromCache", in.pages->NumLoaded()},
+            {"primsMended", in.primsMended},
             {"estimated", !isExact}};
 }
 

@@ -22,7 +22,8 @@ struct StatisticsInput {
     std::uint64_t sceneBytes = 0; ///< of host memory (scene/hostRecords.h)
     KeptArrays keptArrays;
     std::uint64_t arrayBytesReadBefore = 0; ///< this render (ArrayCounts)
-    double commitSeconds = 0.0; ///< of the scene; 0: it was there from the render before
+    double commitSeconds = 0.0;    ///< of the scene; 0: it was there from the render before
+    std::uint64_t primsMended = 0; ///< where an edit was no commit (PrimCommit::Mend)
     const PathTracer* tracer = nullptr;
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;

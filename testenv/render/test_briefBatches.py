@@ -37,9 +37,15 @@ def test_pictures_and_counts_are_those_of_large_batches(isCutOut, tmp_path):
         return ours.Render(tmp_path / "a.usda", WIDTH, HEIGHT, samples=SAMPLES, maxDepth=6, residency="resident", **settings)
 
     expected = Render(waveSize=WIDTH * HEIGHT * SAMPLES)
+    brief = expected.statistics["geometry"]["briefBatches"]
+    assert brief < expected.statistics["geometry"]["rayBatches"], "what it is compared with"
     assert expected.statistics["wave"]["size"] > 2048 and expected.statistics["rays"]["shadow"] > 4096
     for settings in (dict(waveSize=301), dict(waveSize=3001), dict(waveSize=301, traversal="scalar")):
         picture = Render(**settings)
+        geometry = picture.statistics["geometry"]
+        assert (geometry["briefBatches"] > 0) is not isCutOut, settings
+        if "traversal" not in settings and settings["waveSize"] == 301 and not isCutOut:
+            assert geometry["briefBatches"] == geometry["rayBatches"]
         assert np.array_equal(picture.layers["color"], expected.layers["color"]), settings
         for kind in ("camera", "indirect", "shadow"):
             assert picture.statistics["rays"][kind] == expected.statistics["rays"][kind], (settings, kind)

@@ -6,7 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include <functional>
+#include <random>
 
 namespace hds::test {
 namespace {
@@ -151,6 +154,96 @@ TEST_F(PlaceEdits, OfStreamedGeometryHaveTheBitsOfAFreshSession) {
     settings.chunkBytes = 4096;
     settings.geometryMemory = "48K"; // less than all: pages come and go
     ExpectTheBitsOfFreshSessions(settings);
+}
+
+/// Many small meshes beside FillSession's.
+void FillWithMany(Session* session, int count) {
+    Fill(session);
+    session->Remove("/lamp"); // beside meshes that glow none is hidden this way
+    for (int i = 0; i < count; ++i) {
+        GeometryPrim prim;
+        prim.geometry = MakeGrid(4, 0.2F);
+        prim.materialPath = i % 3 == 0 ? "/red" : "";
+        prim.placement.worldFromObject = glm::scale(
+            Move(0.5 * (i % 8) - 2.0, 0.2 + 0.3 * (i / 8), 1.5), glm::dvec3(0.2)); // NOLINT: rows
+        prim.primId = 100 + i;
+        session->SetGeometry("/small/mesh" + std::to_string(100 + i), prim);
+    }
+}
+
+/// Moves, hides, shows or reshapes a few of them.
+Edit RandomEdit(std::mt19937* random, int count) {
+    return [=](Session& session) {
+        const auto below = [&](int end) { return static_cast<int>((*random)() % unsigned(end)); };
+        for (int k = 0; k <= below(3); ++k) {
+            const std::string path = "/small/mesh" + std::to_string(100 + below(count));
+            GeometryPrim prim = session.Scene().geometry.at(path);
+            const int kind = below(4);
+            if (kind == 0 && prim.placement.visible) {
+                prim.geometry = MakeGrid(4, 0.1F * float(1 + below(9)));
+            } else if (kind == 1) {
+                prim.placement.visible = !prim.placement.visible;
+            } else {
+                prim.placement.worldFromObject =
+                    glm::scale(glm::rotate(Move(0.1 * below(40) - 2.0, 0.1 * below(20), 1.5),
+                                           0.1 * below(60), glm::dvec3(1.0, 2.0, 0.5)),
+                               glm::dvec3(0.2));
+            }
+            session.SetGeometry(path, prim);
+        }
+    };
+}
+
+/// A chain of edits, rendered by a session that mends its tables and by ones that are fresh.
+/// \return how many were mended.
+int CountMended(const Settings& settings, const Settings& fresh, int numEdits) {
+    constexpr int kNumMeshes = 48;
+    std::mt19937 random(11);
+    Session edited;
+    FillWithMany(&edited, kNumMeshes);
+    EXPECT_EQ(edited.Render(settings), RenderResult::Complete);
+    int numMended = 0;
+    for (int i = 0; i < numEdits; ++i) {
+        RandomEdit(&random, kNumMeshes)(edited);
+        EXPECT_EQ(edited.Render(settings), RenderResult::Complete);
+        const auto geometry = nlohmann::json::parse(edited.Statistics())["geometry"];
+        numMended += geometry["primsMended"].get<int>() > 0 ? 1 : 0;
+        Session other;
+        FillWithMany(&other, kNumMeshes);
+        for (const auto& [path, prim] : edited.Scene().geometry) {
+            other.SetGeometry(path, prim);
+        }
+        EXPECT_EQ(other.Render(fresh), RenderResult::Complete);
+        EXPECT_TRUE(SameLayers(edited.Layers(), other.Layers())) << i;
+    }
+    // The flat hierarchy, say, knows nothing of records that are hidden.
+    EXPECT_EQ(edited.Render(fresh), RenderResult::Complete);
+    Session other;
+    FillWithMany(&other, kNumMeshes);
+    for (const auto& [path, prim] : edited.Scene().geometry) {
+        other.SetGeometry(path, prim);
+    }
+    EXPECT_EQ(other.Render(fresh), RenderResult::Complete);
+    EXPECT_TRUE(SameLayers(edited.Layers(), other.Layers()));
+    return numMended;
+}
+
+TEST_F(PlaceEdits, ChainsThatAreMendedHaveTheBitsOfFreshSessions) {
+    constexpr int kNumEdits = 24;
+    const int numMended = CountMended(Interactive(), MakeSettings(), kNumEdits);
+    EXPECT_GT(numMended, kNumEdits / 2);
+}
+
+TEST_F(PlaceEdits, MendedTablesOfStreamedGeometryHaveTheBitsOfFreshSessions) {
+    Settings settings = Interactive();
+    settings.residency = "stream";
+    settings.geometryMemory = "48K";
+    settings.chunkBytes = 4096;
+    settings.traversal = "scalar";
+    Settings fresh = settings;
+    fresh.interactive = false;
+    constexpr int kNumEdits = 8;
+    EXPECT_GT(CountMended(settings, fresh, kNumEdits), kNumEdits / 3);
 }
 
 TEST_F(PlaceEdits, AShapeIsAllThatIsLoaded) {

@@ -91,6 +91,28 @@ TEST_F(RenderThreadTest, EditsWhileRenderingEndInTheEditedImage) {
     EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.05 * 39))));
 }
 
+// Edits that come as soon as the first picture of the one before is there: statistics, which such
+// pictures do not wait for, follow all the same.
+TEST_F(RenderThreadTest, StatisticsFollowEditsThatDoNotPause) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(LongSettings());
+    double x = 0.0;
+    const auto move = [&] {
+        thread.Post({MoveBall(x += 0.001)});
+        return WaitForAnImage(thread, thread.Version())->statistics;
+    };
+    WaitForAnImage(thread, thread.Version());
+    const std::string first = move();
+    EXPECT_NE(first, "");
+    const auto end = std::chrono::steady_clock::now() + kGuard;
+    bool isSame = true;
+    while (isSame && std::chrono::steady_clock::now() < end) {
+        isSame = move() == first;
+    }
+    EXPECT_FALSE(isSame);
+}
+
 TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
     // A pool of few chunks, so that rays wait all the time; meshes change, go and come back.
     const auto stream = [](Settings settings) {

@@ -21,6 +21,7 @@ struct BvhFacts {
         timesSeen;                  ///< [numItems] leaf references of each position of the order
     std::uint64_t numOutside = 0;   ///< items that stick out of a box above them
     std::uint64_t numMalformed = 0; ///< meta bytes or indices that break the format
+    std::uint64_t numClosed = 0;    ///< inner children that no ray visits (BvhRefit)
 };
 
 class BvhWalker {
@@ -73,7 +74,10 @@ private:
             const std::uint32_t meta = MetaByte(node, slot);
             const bool isInner = (node.exponentsImask >> (24 + slot) & 1U) != 0;
             std::vector<std::uint32_t> items;
-            if (isInner) {
+            if (isInner && meta == 0) {
+                ++_facts.numClosed;
+                ++child;
+            } else if (isInner) {
                 _facts.numMalformed += meta != (0x20U | (24 + slot)) ? 1 : 0;
                 items = VisitNode(child++, depth + 1);
             } else if (meta != 0) {
@@ -123,6 +127,7 @@ inline void ExpectSound(const Bvh& bvh, const std::vector<Bounds>& items) {
     const BvhFacts facts = BvhWalker(bvh.nodes, inOrder).Walk();
     EXPECT_EQ(facts.numMalformed, 0U);
     EXPECT_EQ(facts.numOutside, 0U);
+    EXPECT_EQ(facts.numClosed, 0U);
     EXPECT_LE(facts.depth, static_cast<std::uint32_t>(HDS_BVH_MAX_DEPTH));
     for (std::size_t i = 0; i < items.size(); ++i) {
         ASSERT_EQ(timesOrdered[i], 1U) << i;
