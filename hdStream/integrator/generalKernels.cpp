@@ -40,7 +40,7 @@ KernelFeatures MakeGeneral(const KernelFeatures& features, bool isLayered) {
     general.meshLights = true;
     general.groups = true;
     if (isLayered) {
-        general.lobes = HDS_LOBES_ALL & ~HDS_LOBES_ALONE;
+        general.lobes = HDS_LOBES_ALL & ~(HDS_LOBES_ALONE | HDS_LOBE_RETRO | HDS_LOBE_COVERED);
         general.media = true;
         general.closures = true;
         general.texturedEmission = true;

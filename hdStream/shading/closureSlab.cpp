@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/closureSlab.h"
 
+#include "hdStream/shading/closureParts.h"
 #include "hdStream/shading/closureReflectance.h"
+#include "hdStream/shading/emissionForm.h"
 #include "hdStream/shading/shaderMath.h"
 
 #include <algorithm>
-#include <array>
-#include <iterator>
 #include <memory>
 #include <utility>
 
 namespace hds {
 
 namespace {
-
-struct InputRow {
-    std::uint32_t numComponents;
-    std::array<float, 4> fallback;
-};
-
-/// By HDS_INPUT_*.
-constexpr InputRow kInputs[] = {
-#define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) {components, {x, y, z, w}},
-#define HDS_LAYERED_INPUT(NAME, name, components, x, y, z, w) {components, {x, y, z, w}},
-#include "kernels/shared/materialInputs.def"
-};
 
 ShaderValue One() {
     return MakeScalar(1.0F);
@@ -33,64 +21,10 @@ ShaderValue Zero() {
     return MakeScalar(0.0F);
 }
 
-bool Has(const LayeredMaterial& layered, std::uint32_t input) {
-    return layered.values[input] && !IsAll(layered.values[input], 0.0F);
-}
-
-bool AreSame(const LayeredMaterial& a, const LayeredMaterial& b, std::uint32_t input) {
-    return AreSame(a.values[input], b.values[input]);
-}
-
-ShaderValue ValueOf(const LayeredMaterial& layered, std::uint32_t input) {
-    return layered.values[input]
-               ? layered.values[input]
-               : MakeConstant(kInputs[input].fallback, kInputs[input].numComponents);
-}
-
-/// Whether it has none of these.
-bool HasNone(const LayeredMaterial& layered, std::initializer_list<std::uint32_t> inputs) {
-    return std::none_of(inputs.begin(), inputs.end(),
-                        [&](std::uint32_t input) { return Has(layered, input); });
-}
-
-/// Whether no light comes from it, as of closures of weight 0.
-bool IsNothing(const LayeredMaterial& layered) {
-    return HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
-                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_SPECULAR_WEIGHT,
-                             HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE, HDS_INPUT_HAIR});
-}
-
-/// Diffuse reflection and transmission, and nothing else.
-bool IsDiffuse(const LayeredMaterial& layered) {
-    return HasNone(layered, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
-                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
-}
-
-/// A reflection that lets through what it does not reflect.
-bool IsReflection(const LayeredMaterial& layered) {
-    return Has(layered, HDS_INPUT_SPECULAR_WEIGHT) &&
-           HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
-                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT,
-                             HDS_INPUT_SUBSURFACE});
-}
-
-bool IsSheen(const LayeredMaterial& layered) {
-    return Has(layered, HDS_INPUT_SHEEN) &&
-           HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
-                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_CLEARCOAT,
-                             HDS_INPUT_SUBSURFACE});
-}
-
-/// Metal, and nothing beside it or above it.
-bool IsMetal(const LayeredMaterial& layered) {
-    return IsAll(ValueOf(layered, HDS_INPUT_METALLIC), 1.0F) &&
-           IsAll(ValueOf(layered, HDS_INPUT_DIELECTRIC), 0.0F) &&
-           HasNone(layered, {HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
-}
-
 /// Whether both have one roughness where it shows.
 bool HaveOneRoughness(const LayeredMaterial& metal, const LayeredMaterial& other) {
     return AreSame(metal, other, HDS_INPUT_STRETCH) && AreSame(metal, other, HDS_INPUT_FILM) &&
+           AreSame(metal, other, HDS_INPUT_RETRO) &&
            (IsDiffuse(other) || AreSame(metal, other, HDS_INPUT_ROUGHNESS));
 }
 
@@ -114,6 +48,7 @@ bool TryMergeDiffuse(const ClosureSlab& other, ClosureSlab* slab) {
     }
     slab->share = share;
     slab->factor = One();
+    slab->isScaled = false;
     return true;
 }
 
@@ -212,20 +147,24 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
 
 /// Of two that differ in nothing but their shares.
 bool TryMergeEqual(const ClosureSlab& other, ClosureSlab* slab) {
-    const LayeredMaterial& a = slab->layered;
-    const LayeredMaterial& b = other.layered;
-    if (a.flags != b.flags || a.lobes != b.lobes || !AreSame(slab->factor, other.factor) ||
-        !std::equal(a.values.begin(), a.values.end(), b.values.begin(),
-                    [](const ShaderValue& x, const ShaderValue& y) { return AreSame(x, y); })) {
+    if (!AreSame(slab->layered, other.layered) || !AreSame(slab->factor, other.factor) ||
+        !AreSame(slab->scale, other.scale) || slab->isScaled != other.isScaled ||
+        slab->hasBase != other.hasBase || !AreSame(slab->isCovered, other.isCovered) ||
+        !AreSame(slab->covers, other.covers)) {
         return false;
     }
     slab->share = Add(slab->share, other.share, 1);
     return true;
 }
 
+/// Whether it is chosen apart from what lies on it or below it, or is hair.
+bool StaysAlone(const ClosureSlab& slab) {
+    return slab.hasBase || !slab.covers.empty() || Has(slab.layered, HDS_INPUT_HAIR);
+}
+
 /// Makes one of a slab and another, where one layered surface has both.
 bool TryMerge(const ClosureSlab& other, ClosureSlab* slab) {
-    if (Has(other.layered, HDS_INPUT_HAIR) || Has(slab->layered, HDS_INPUT_HAIR)) {
+    if (StaysAlone(other) || StaysAlone(*slab)) {
         return TryMergeEqual(other, slab);
     }
     return TryMergeDiffuse(other, slab) || TryMergeMetal(*slab, other, slab) ||
@@ -255,41 +194,6 @@ void Append(ClosureSlabs slabs, const ShaderValue& share, ClosureSlabs* all) {
     }
 }
 
-/// Puts the factor of a slab into the colours of its lobes, since what comes to lie on top of it
-/// does not have it. Of metal the colours of the front and of the edge have it, of subsurface
-/// scattering its colour.
-void FoldFactor(ClosureSlab* slab) {
-    for (const std::uint32_t input :
-         {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_TRANSMISSION_COLOR,
-          HDS_INPUT_METAL_COLOR, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SPECULAR_COLOR,
-          HDS_INPUT_SUBSURFACE_COLOR}) {
-        ShaderValue& value = slab->layered.values[input];
-        if (value) {
-            value = Multiply(value, slab->factor, 3);
-        }
-    }
-    if (Has(slab->layered, HDS_INPUT_HAIR)) {
-        for (const std::uint32_t input :
-             {HDS_INPUT_HAIR_TINT_R, HDS_INPUT_HAIR_TINT_TT, HDS_INPUT_HAIR_TINT_TRT}) {
-            slab->layered.values[input] = Multiply(ValueOf(slab->layered, input), slab->factor, 3);
-        }
-    }
-    slab->factor = One();
-}
-
-/// Whether FoldFactor leaves the slab as it is.
-bool IsFoldable(const ClosureSlab& slab) {
-    if (Has(slab.layered, HDS_INPUT_HAIR)) {
-        return true;
-    }
-    if (!IsConstant(slab.factor) ||
-        !HasNone(slab.layered, {HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE})) {
-        return false;
-    }
-    const std::array<float, 4>& factor = ConstantOf(slab.factor);
-    return std::all_of(factor.begin(), factor.begin() + 3, [](float x) { return x <= 1.0F; });
-}
-
 /// The coat's inputs as those of a reflection.
 void SetCoat(const ClosureSlab& top, ClosureSlab* slab) {
     LayeredMaterial& layered = slab->layered;
@@ -308,7 +212,7 @@ void SetReflection(const ClosureSlab& top, ClosureSlab* slab) {
     for (const std::uint32_t input :
          {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_STRETCH, HDS_INPUT_FILM,
           HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR, HDS_INPUT_SCHLICK_GRAZING,
-          HDS_INPUT_SCHLICK_EDGE}) {
+          HDS_INPUT_SCHLICK_EDGE, HDS_INPUT_RETRO}) {
         layered.values[input] = top.layered.values[input];
     }
     // Glass below Schlick's term, which has no index, refracts by its own.
@@ -319,7 +223,7 @@ void SetReflection(const ClosureSlab& top, ClosureSlab* slab) {
         Multiply(ValueOf(top.layered, HDS_INPUT_SPECULAR_COLOR), top.factor, 3);
 }
 
-void SetSheen(const ClosureSlab& top, bool isOverAll, ClosureSlab* slab) {
+void SetSheen(const ClosureSlab& top, ClosureSlab* slab) {
     FoldFactor(slab);
     LayeredMaterial& layered = slab->layered;
     for (const std::uint32_t input : {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_ROUGHNESS}) {
@@ -327,7 +231,7 @@ void SetSheen(const ClosureSlab& top, bool isOverAll, ClosureSlab* slab) {
     }
     layered.values[HDS_INPUT_SHEEN_COLOR] =
         Multiply(ValueOf(top.layered, HDS_INPUT_SHEEN_COLOR), top.factor, 3);
-    layered.flags |= isOverAll ? HDS_MATERIAL_FUZZ : top.layered.flags & HDS_MATERIAL_FUZZ;
+    layered.flags |= top.layered.flags & HDS_MATERIAL_FUZZ;
 }
 
 /// Whether a layered surface has a place for a reflection but the coat.
@@ -343,39 +247,12 @@ bool HasPlaceFor(const LayeredMaterial& reflection, const LayeredMaterial& below
 bool IsPlain(const ClosureSlab& reflection) {
     const auto& values = reflection.layered.values;
     return !values[HDS_INPUT_SCHLICK_EXPONENT] && !values[HDS_INPUT_FILM] &&
+           !values[HDS_INPUT_RETRO] &&
            IsAll(ValueOf(reflection.layered, HDS_INPUT_SPECULAR_COLOR), 1.0F) &&
            IsAll(reflection.factor, 1.0F);
 }
 
-/// A reflection as a coat.
-ClosureSlabs CoatOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
-    if (Has(base.layered, HDS_INPUT_CLEARCOAT)) {
-        warn("a reflection above a coat is left out");
-        return {base};
-    }
-    if (top.layered.values[HDS_INPUT_SCHLICK_EXPONENT]) {
-        warn("above another reflection it has that of its index, without its colours");
-    } else if (!IsPlain(top)) {
-        warn("above another reflection it has neither a colour nor a film of its own");
-    }
-    SetCoat(top, &base);
-    return {base};
-}
-
-/// Metal by Schlick's term, and nothing else.
-bool IsSchlickMetal(const LayeredMaterial& layered) {
-    return Has(layered, HDS_INPUT_METALLIC) && (layered.lobes & HDS_LOBE_CONDUCTOR) == 0 &&
-           IsAll(ValueOf(layered, HDS_INPUT_DIELECTRIC), 0.0F) &&
-           HasNone(layered, {HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
-}
-
-/// Metal by Schlick's term that reflects all, so that it has nothing to let through.
-bool IsWhiteMetal(const LayeredMaterial& layered) {
-    return IsAll(ValueOf(layered, HDS_INPUT_METAL_COLOR), 1.0F) &&
-           IsAll(ValueOf(layered, HDS_INPUT_EDGE_COLOR), 1.0F);
-}
-
-/// The same as a reflection that lets through what it does not reflect.
+/// Metal by Schlick's term as a reflection that lets through what it does not reflect.
 ClosureSlab AsReflection(ClosureSlab metal) {
     auto& values = metal.layered.values;
     values[HDS_INPUT_SPECULAR_WEIGHT] = std::exchange(values[HDS_INPUT_METALLIC], {});
@@ -397,53 +274,100 @@ bool ShareNormal(const ClosureSlab& top, ClosureSlab* base) {
     return AreSame(top.layered.values[HDS_INPUT_NORMAL], below);
 }
 
-/// One slab on another. What has no place in a layered surface is left out.
-ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
-    const LayeredMaterial& below = base.layered;
+/// Puts a reflection or a sheen into the base, where a layered surface has a place for it. \return
+/// whether it has one.
+bool TryPutOn(const ClosureSlab& top, ClosureSlab* base) {
+    const LayeredMaterial& below = base->layered;
+    const bool isOverall = (top.layered.flags & HDS_MATERIAL_FUZZ) != 0 ||
+                           HasNone(below, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC,
+                                           HDS_INPUT_TRANSMISSION, HDS_INPUT_CLEARCOAT});
+    if (top.isScaled || base->isScaled || Has(below, HDS_INPUT_HAIR)) {
+        return false;
+    }
+    if (IsSheen(top.layered)) {
+        if (Has(below, HDS_INPUT_SHEEN) || !isOverall || !ShareNormal(top, base)) {
+            return false;
+        }
+        SetSheen(top, base);
+        return true;
+    }
+    if (!IsReflection(top.layered)) {
+        return false;
+    }
+    if (HasPlaceFor(top.layered, below) && ShareNormal(top, base)) {
+        SetReflection(top, base);
+        return true;
+    }
+    if (!IsPlain(top) || Has(below, HDS_INPUT_CLEARCOAT) ||
+        (below.flags & HDS_MATERIAL_FUZZ) != 0) {
+        return false;
+    }
+    SetCoat(top, base);
+    return true;
+}
+
+/// How often what lies on top is chosen: about as much as it reflects.
+ShaderValue CoverShare(const LayeredMaterial& top) {
+    const ShaderValue least = MakeScalar(0.1F);
+    const ShaderValue most = MakeScalar(0.9F);
+    if (!Has(top, HDS_INPUT_SPECULAR_WEIGHT)) {
+        return MakeScalar(0.25F);
+    }
+    const ShaderValue third = MakeConstant({1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F}, 3);
+    const ShaderValue index = ValueOf(top, HDS_INPUT_IOR);
+    const ShaderValue root = Divide(Subtract(index, One(), 1),
+                                    MakeMath(HDS_MATH_MAX, {Add(index, One(), 1), One()}, 1), 1);
+    const ShaderValue front =
+        top.values[HDS_INPUT_SCHLICK_EXPONENT]
+            ? MakeMath(HDS_MATH_DOT, {ValueOf(top, HDS_INPUT_SCHLICK_COLOR), third}, 1)
+            : Multiply(root, root, 1);
+    const ShaderValue reflected = SchlickEmission(front, One(), MakeScalar(5.0F));
+    return MakeMath(HDS_MATH_MIN, {MakeMath(HDS_MATH_MAX, {reflected, least}, 1), most}, 1);
+}
+
+/// Both, of which each hit takes one: what is chosen below gets what is left there by what lies on
+/// it (HDS_INPUT_COVER).
+ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base) {
+    if (IsNothing(base.layered)) {
+        top.share = base.share;
+        return {top};
+    }
+    ShaderValue part = CoverShare(top.layered);
+    if (Has(base.layered, HDS_INPUT_TRANSMISSION)) {
+        base.isCovered = MakeMath(HDS_MATH_GREATER, {ViewCosine(), Zero()}, 1);
+        part = Multiply(part, base.isCovered, 1);
+    }
+    const ShaderValue rest = OneMinus(part, 1);
+    base.covers.push_back(std::make_shared<const LayeredMaterial>(top.layered));
+    base.covers.insert(base.covers.end(), top.covers.begin(), top.covers.end());
+    const ShaderValue scale = top.scale;
+    top.share = Multiply(base.share, part, 1);
+    top.factor = Divide(top.factor, part, 3);
+    top.scale = Divide(top.scale, part, 1);
+    base.share = Multiply(base.share, rest, 1);
+    base.factor = Divide(Multiply(base.factor, scale, 3), rest, 3);
+    base.scale = Divide(Multiply(base.scale, scale, 1), rest, 1);
+    top.isScaled = base.isScaled = top.hasBase = true;
+    return {top, base};
+}
+
+/// One slab on another.
+ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base) {
     if (IsNothing(top.layered)) {
         return {base};
     }
-    if (IsSchlickMetal(top.layered) && !IsNothing(below)) {
+    if (IsSchlickMetal(top.layered) && !IsNothing(base.layered)) {
         const ClosureSlab reflection = AsReflection(top);
-        if (HasPlaceFor(reflection.layered, below)) {
-            return LayerOne(reflection, std::move(base), warn);
+        ClosureSlab both = base;
+        if (HasPlaceFor(reflection.layered, base.layered) && TryPutOn(reflection, &both)) {
+            return {both};
         }
         if (!IsWhiteMetal(top.layered)) {
-            warn("above another reflection, a fuzz, or glass of another roughness its metal lets "
-                 "nothing through");
+            return CoverOne(reflection, std::move(base));
         }
     }
-    if (Has(below, HDS_INPUT_HAIR)) {
-        warn("what lies on hair is left out");
-        return {base};
-    }
-    if (IsReflection(top.layered) && !HasPlaceFor(top.layered, below)) {
-        return CoatOne(top, std::move(base), warn);
-    }
-    if (IsReflection(top.layered)) {
-        if (!ShareNormal(top, &base)) {
-            if (IsPlain(top)) {
-                SetCoat(top, &base);
-                return {base};
-            }
-            warn("a reflection with a colour or a film of its own and what lies below it share one "
-                 "normal");
-            ShaderValue& normal = base.layered.values[HDS_INPUT_NORMAL];
-            normal = normal ? normal : top.layered.values[HDS_INPUT_NORMAL];
-        }
-        SetReflection(top, &base);
-        return {base};
-    }
-    if (IsSheen(top.layered)) {
-        if (Has(below, HDS_INPUT_SHEEN)) {
-            warn("a sheen above another is left out");
-            return {base};
-        }
-        if (!ShareNormal(top, &base)) {
-            warn("a sheen has the normal of what lies below");
-        }
-        SetSheen(top, !IsDiffuse(base.layered), &base);
-        return {base};
+    if (IsSeeThrough(top.layered)) {
+        return TryPutOn(top, &base) ? ClosureSlabs{base} : CoverOne(top, std::move(base));
     }
     // Whatever else lies on top lets nothing through where it is.
     ClosureSlab opaque = top;
@@ -453,25 +377,6 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWar
         return MixSlabs({base}, {opaque}, ValueOf(top.layered, HDS_INPUT_METALLIC));
     }
     return {opaque};
-}
-
-/// A value that is `values[k]` where slab k is chosen. \param below share of those up to each slab
-ShaderValue ChooseValue(const std::vector<ShaderValue>& values,
-                        const std::vector<ShaderValue>& isChosen, std::uint32_t numComponents) {
-    ShaderValue result = values.back();
-    for (std::size_t k = values.size() - 1; k > 0; --k) {
-        if (!AreSame(values[k - 1], result)) {
-            result =
-                MakeMath(HDS_MATH_SELECT, {isChosen[k - 1], values[k - 1], result}, numComponents);
-        }
-    }
-    return result;
-}
-
-ShaderValue MakeChance() {
-    auto expression = std::make_shared<ShaderExpression>();
-    expression->kind = ShaderExpression::Kind::Chance;
-    return {std::move(expression), HDS_CHANNEL_ALL, 1};
 }
 
 } // namespace
@@ -507,6 +412,9 @@ ClosureSlabs AddSlabs(ClosureSlabs a, ClosureSlabs b) {
     const ShaderValue two = MakeScalar(2.0F);
     Append(MultiplySlabs(std::move(a), two), half, &all);
     Append(MultiplySlabs(std::move(b), two), half, &all);
+    for (ClosureSlab& slab : all) {
+        slab.isScaled = true;
+    }
     return Merge(std::move(all));
 }
 
@@ -517,54 +425,22 @@ ClosureSlabs MultiplySlabs(ClosureSlabs slabs, const ShaderValue& factor) {
     return slabs;
 }
 
-ClosureSlabs LayerSlabs(const ClosureSlabs& top, const ClosureSlabs& base,
-                        const ClosureWarning& warn) {
+ClosureSlabs LayerSlabs(const ClosureSlabs& top, const ClosureSlabs& base) {
     if (top.empty()) {
         return base;
     }
     const ClosureSlabs below = base.empty() ? ClosureSlabs{BlackSlab()} : base;
     ClosureSlabs all;
     for (const ClosureSlab& upper : top) {
+        if (upper.hasBase) { // others of `top` are below it, and so is the base
+            all.push_back(upper);
+            continue;
+        }
         for (const ClosureSlab& lower : below) {
-            Append(LayerOne(upper, lower, warn), upper.share, &all);
+            Append(LayerOne(upper, lower), upper.share, &all);
         }
     }
     return Merge(std::move(all));
-}
-
-LayeredMaterial ChooseSlab(ClosureSlabs slabs) {
-    for (ClosureSlab& slab : slabs) {
-        if (IsFoldable(slab)) {
-            FoldFactor(&slab);
-        }
-    }
-    LayeredMaterial result = slabs.empty() ? BlackSlab().layered : slabs[0].layered;
-    std::vector<ShaderValue> isChosen; // or one of those before it
-    const ShaderValue chance = MakeChance();
-    ShaderValue below = Zero();
-    for (const ClosureSlab& slab : slabs) {
-        result.flags |= slab.layered.flags;
-        result.lobes |= slab.layered.lobes;
-        result.dispersion = std::max(result.dispersion, slab.layered.dispersion);
-        below = Add(below, slab.share, 1);
-        isChosen.push_back(MakeMath(HDS_MATH_GREATER, {below, chance}, 1));
-    }
-    for (std::uint32_t input = 0; input < HDS_NUM_LAYERED_INPUTS && slabs.size() > 1; ++input) {
-        std::vector<ShaderValue> values;
-        std::transform(slabs.begin(), slabs.end(), std::back_inserter(values),
-                       [&](const ClosureSlab& slab) { return ValueOf(slab.layered, input); });
-        if (std::any_of(slabs.begin(), slabs.end(),
-                        [&](const auto& slab) { return bool(slab.layered.values[input]); })) {
-            result.values[input] = ChooseValue(values, isChosen, kInputs[input].numComponents);
-        }
-    }
-    std::vector<ShaderValue> factors;
-    std::transform(slabs.begin(), slabs.end(), std::back_inserter(factors),
-                   [](const ClosureSlab& slab) { return slab.factor; });
-    if (!factors.empty()) {
-        result.values[HDS_INPUT_WEIGHT] = ChooseValue(factors, isChosen, 3);
-    }
-    return result;
 }
 
 } // namespace hds

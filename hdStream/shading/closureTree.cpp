@@ -23,7 +23,7 @@ namespace hds {
 namespace {
 
 /// More surfaces side by side than this are not kept: programs would become long.
-constexpr std::size_t kMaxSlabs = 8;
+constexpr std::size_t kMaxSlabs = 32;
 
 /// Reads the closures that a surface is made of.
 class ClosureReader {
@@ -182,7 +182,7 @@ public:
         return {slab};
     }
     ClosureSlabs Layer(const MaterialNode& node) {
-        return LayerSlabs(Bsdf(node, "top"), Bsdf(node, "base"), WarningOf(node));
+        return LayerSlabs(Bsdf(node, "top"), Bsdf(node, "base"));
     }
     ClosureSlabs LayerMedium(const MaterialNode& node);
     ClosureSlabs MixBsdf(const MaterialNode& node) {
@@ -250,9 +250,6 @@ private:
                           " is not supported and is left out");
         }
     }
-    ClosureWarning WarningOf(const MaterialNode& node) {
-        return [this, &node](const std::string& text) { _network.Warn(node.path + ": " + text); };
-    }
 
     ClosureSlab Diffuse(const MaterialNode& node, float fallback) {
         ClosureSlab slab = BlackSlab();
@@ -265,10 +262,10 @@ private:
     /// A black slab with the roughness of a node of microfacets, which gives GGX's alpha along x
     /// and y.
     ClosureSlab Rough(const MaterialNode& node) {
-        if (!IsAll(Scalar(node, "retroreflective", 0.0F), 0.0F)) {
-            WarnOf(_network, node, "retroreflective", "is not supported and counts as false");
-        }
         ClosureSlab slab = BlackSlab();
+        if (!IsAll(Scalar(node, "retroreflective", 0.0F), 0.0F)) {
+            slab.layered.values[HDS_INPUT_RETRO] = Scalar(node, "retroreflective", 0.0F);
+        }
         const ShaderValue alpha = _network.EvaluateOr(node, "roughness", {0.05F, 0.05F}, 2);
         const ShaderValue x = SelectChannel(alpha, 0);
         const ShaderValue y = SelectChannel(alpha, 1);

@@ -12,13 +12,6 @@ namespace {
 
 using Kind = ShaderExpression::Kind;
 
-/// Between the surface's normal and the direction to the viewer.
-ShaderValue ViewCosine() {
-    const ShaderValue cosine =
-        DotProduct(MakeGeometry(Kind::View, 0), MakeGeometry(Kind::Normal, HDS_SPACE_WORLD), 3);
-    return Multiply(cosine, MakeScalar(-1.0F), 1); // the other one is that from the viewer
-}
-
 /// Of half an angle, which is at most half of a straight one.
 ShaderValue CosineOfHalf(const ShaderValue& degrees) {
     constexpr float kHalfRadians = 0.0087266463F; // pi / 360
@@ -29,6 +22,12 @@ ShaderValue CosineOfHalf(const ShaderValue& degrees) {
 }
 
 } // namespace
+
+ShaderValue ViewCosine() {
+    const ShaderValue cosine =
+        DotProduct(MakeGeometry(Kind::View, 0), MakeGeometry(Kind::Normal, HDS_SPACE_WORLD), 3);
+    return Multiply(cosine, MakeScalar(-1.0F), 1); // the other one is that from the viewer
+}
 
 ShaderValue SchlickEmission(const ShaderValue& color0, const ShaderValue& color90,
                             const ShaderValue& exponent) {

@@ -8,6 +8,9 @@
 
 namespace hds {
 
+/// The cosine between the surface's normal and the direction to the viewer, below 0 at the back.
+ShaderValue ViewCosine();
+
 /// From `color0` along the normal to `color90` across it (generalized_schlick_edf), on both sides.
 ShaderValue SchlickEmission(const ShaderValue& color0, const ShaderValue& color90,
                             const ShaderValue& exponent);

@@ -495,7 +495,11 @@ const Model* FindModel(std::string_view identifier) {
 void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material) {
     if (!AreSame(normal, material->values[HDS_INPUT_NORMAL])) {
         const ShaderValue smooth = MakeConstant({0.0F, 0.0F, 1.0F, 1.0F}, 3);
-        material->values[HDS_INPUT_COAT_NORMAL] = normal ? normal : smooth;
+        const ShaderValue own = normal ? normal : smooth;
+        const ShaderValue squared = MakeMath(HDS_MATH_DOT, {own, own}, 1);
+        const ShaderValue isOne = MakeMath(HDS_MATH_GREATER, {squared, MakeScalar(0.0F)}, 1);
+        material->values[HDS_INPUT_COAT_NORMAL] =
+            MakeMath(HDS_MATH_SELECT, {isOne, own, smooth}, 3);
     }
 }
 
@@ -532,6 +536,8 @@ void FinishLayered(LayeredMaterial* material) {
                       (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
                       (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
                       (isSchlicks ? HDS_LOBE_SCHLICK : 0U) |
+                      (has(HDS_INPUT_RETRO) ? HDS_LOBE_RETRO : 0U) |
+                      (has(HDS_INPUT_COVER) ? HDS_LOBE_COVERED : 0U) |
                       (has(HDS_INPUT_CLEARCOAT) &&
                                (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
                            ? HDS_LOBE_COAT_FRAME

@@ -21,7 +21,7 @@ struct LayeredMaterial {
 };
 
 /// Gives the coat a normal where that is not the surface's. \param normal as HDS_INPUT_NORMAL;
-/// empty: none. \pre HDS_INPUT_NORMAL is set.
+/// empty: none; one without a direction is that of the mesh. \pre HDS_INPUT_NORMAL is set.
 void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material);
 
 /// Makes the metal a conductor, with Fresnel's equations. \param color reflectance at normal

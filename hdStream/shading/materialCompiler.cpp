@@ -194,10 +194,11 @@ bool Varies(const shared::HdsMaterial& m, std::uint32_t input) {
     return m.slots[input] != HDS_NONE || (m.programInputs >> input & 1U) != 0;
 }
 
-/// Whether a thin wall lets light through, straight on.
+/// Whether a thin wall lets light through, straight on, at some point at least.
 bool IsThinGlass(const shared::HdsMaterial& m) {
     return (m.flags & HDS_MATERIAL_THIN_WALLED) != 0 && (m.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
-           (m.flags & HDS_MATERIAL_FROSTED) == 0;
+           ((m.flags & HDS_MATERIAL_FROSTED) == 0 || Varies(m, HDS_INPUT_ROUGHNESS) ||
+            m.constants[HDS_INPUT_ROUGHNESS].x <= HDS_CLEAR_ROUGHNESS);
 }
 
 /// Flags that follow from constants, slots and what the program sets.

@@ -4,6 +4,7 @@
 // The table of what there is: docs/materials.md.
 #include "hdStream/shading/matrixNodes.h"
 #include "hdStream/shading/patternNode.h"
+#include "hdStream/shading/surfaceFrame.h"
 
 #include <algorithm>
 #include <memory>
@@ -78,11 +79,12 @@ public:
 
     /// In tangent space; the surface applies it.
     ShaderValue NormalMap() {
-        if (_network.Text(_node, "space") == "object") {
-            _network.Warn("normal map " + _node.path + " in object space is not supported");
-            return {};
+        const ShaderValue in = Vector("in", {0.5F, 0.5F, 1.0F, 0.0F}, 3);
+        if (_network.Text(_node, "space") == "object") { // of MaterialX 1.38
+            return InTangentSpace(_network, _node, SignedNormal(in, MakeScalar(1.0F)),
+                                  HDS_SPACE_OBJECT);
         }
-        return SignedNormal(Vector("in", {0.5F, 0.5F, 1.0F, 0.0F}, 3), In("scale", 1.0F));
+        return SignedNormal(in, In("scale", 1.0F));
     }
 
     ShaderValue Place2d() {

@@ -3,12 +3,14 @@
 
 #include "hdStream/shading/nodeWalk.h"
 #include "hdStream/shading/patternNode.h"
+#include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "kernels/shared/material.h"
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 
 namespace hds {
 
@@ -77,6 +79,28 @@ bool IsMap(const std::string& identifier) {
                                      "ND_hextilednormalmap", "ND_flake"};
     return std::any_of(std::begin(kMaps), std::end(kMaps),
                        [&](const char* name) { return identifier.rfind(name, 0) == 0; });
+}
+
+/// Whether a node that gives a normal in tangent space is below an input.
+bool HasMap(const NetworkEvaluator& network, const MaterialNode& node, const std::string& input,
+            std::set<const MaterialNode*>* searched) {
+    const MaterialNode* source = network.FindSource(node, input);
+    return source != nullptr && searched->insert(source).second &&
+           (IsMap(source->identifier) ||
+            std::any_of(source->connections.begin(), source->connections.end(),
+                        [&](const auto& connection) {
+                            return HasMap(network, *source, connection.first, searched);
+                        }));
+}
+
+/// The coordinates of the first image below a value that give it a frame; empty: none.
+ShaderValue FrameOf(const ShaderValue& value) {
+    const ShaderExpression& expression = *value.expression;
+    if (expression.kind == Kind::Texture || !HasFrame(value)) {
+        return HasFrame(value) ? expression.operands[0] : ShaderValue();
+    }
+    return FrameOf(*std::find_if(expression.operands.begin(), expression.operands.end(),
+                                 [](const ShaderValue& one) { return HasFrame(one); }));
 }
 
 /// Reads networks that blend normals in tangent space. Their nodes give what is turned where what
@@ -153,6 +177,24 @@ bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
                                  source->identifier == "ND_tangent_vector3");
 }
 
+ShaderValue InTangentSpace(NetworkEvaluator& network, const MaterialNode& node,
+                           const ShaderValue& direction, std::uint32_t space) {
+    const ShaderValue ofImage = FrameOf(direction);
+    const ShaderValue coordinates = ofImage ? ofImage : network.ImageCoordinates(node);
+    const auto part = [&](const ShaderValue& axis) { return DotProduct(direction, axis, 3); };
+    const ShaderValue up = part(MakeGeometry(Kind::Normal, space));
+    const ShaderValue local =
+        MakeMath(HDS_MATH_COMBINE,
+                 {part(MakeGeometry(Kind::Tangent, space, {coordinates})),
+                  part(MakeGeometry(Kind::Tangent, space | HDS_TANGENT_ACROSS, {coordinates})), up,
+                  MakeScalar(0.0F)},
+                 4);
+    const ShaderValue isBelow = MakeMath(HDS_MATH_GREATER, {MakeScalar(0.0F), up}, 1);
+    const ShaderValue sign =
+        MakeMath(HDS_MATH_SELECT, {isBelow, MakeScalar(-1.0F), MakeScalar(1.0F)}, 1);
+    return Multiply(local, sign, 3);
+}
+
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input) {
     const MaterialNode* source = network.FindSource(node, input);
@@ -162,11 +204,18 @@ ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
     if (IsSurfaces(network, node, input)) {
         return {};
     }
-    const ShaderValue blend = NormalBlends(network).Read(node, input);
-    if (!blend) {
-        WarnOf(network, node, input, kSurfacesFrame);
+    if (const ShaderValue blend = NormalBlends(network).Read(node, input)) {
+        return blend;
     }
-    return blend;
+    std::set<const MaterialNode*> searched;
+    if (!HasMap(network, node, input, &searched)) {
+        return network.Evaluate(node, input)
+                   ? InTangentSpace(network, node, network.EvaluateOr(node, input, {}, 3),
+                                    HDS_SPACE_WORLD)
+                   : ShaderValue();
+    }
+    WarnOf(network, node, input, kSurfacesFrame);
+    return {};
 }
 
 ShaderValue EvaluateTangent(NetworkEvaluator& network, const MaterialNode& node,

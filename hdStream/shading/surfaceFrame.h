@@ -24,8 +24,14 @@ void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::stri
 bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
                 const std::string& input);
 
-/// Normal maps and bumps count, which are in tangent space, and blends of these and of the
-/// surface's own normal; of others, which warn, and of none it is empty: the surface's own.
+/// A direction in world or object space (HDS_SPACE_*), on the front, in tangent space: that of the
+/// coordinates of the first image below it, else of the node's.
+ShaderValue InTangentSpace(NetworkEvaluator& network, const MaterialNode& node,
+                           const ShaderValue& direction, std::uint32_t space);
+
+/// A normal in tangent space: of normal maps and bumps, of blends of these and of the surface's own
+/// normal, and of any vector in world space. Empty: the surface's own, as also of other networks
+/// with maps, which warn.
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input);
 

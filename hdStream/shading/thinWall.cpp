@@ -21,8 +21,7 @@ void FrostThinWall(LayeredMaterial* material) {
         return;
     }
     const ShaderValue& roughness = material->values[HDS_INPUT_ROUGHNESS];
-    constexpr float kRoughestClear = 0.35F; // the default of the models and a little more
-    const bool isClear = IsConstant(roughness) && ConstantOf(roughness)[0] <= kRoughestClear;
+    const bool isClear = IsConstant(roughness) && ConstantOf(roughness)[0] <= HDS_CLEAR_ROUGHNESS;
     material->flags |= isClear ? 0U : HDS_MATERIAL_FROSTED;
 }
 

@@ -10,7 +10,7 @@ namespace hds {
 bool IsThinWall(NetworkEvaluator& network, const MaterialNode& node, const char* input);
 
 /// Says that what a thin wall transmits, if anything, is spread by its roughness, unless that is
-/// small: then it goes straight on, and shadow rays pass.
+/// small: then it goes straight on, and shadow rays pass. Where it varies each point says so.
 void FrostThinWall(LayeredMaterial* material);
 
 } // namespace hds

@@ -21,8 +21,10 @@ enum {
 
 /* HdsMaterial.flags */
 #define HDS_MATERIAL_SPECULAR_WORKFLOW 1u /* of a UsdPreviewSurface */
-#define HDS_MATERIAL_FROSTED 1u /* of layered surfaces: a thin wall spreads by its roughness */
-#define HDS_MATERIAL_CUTOUT 2u  /* opacity may be below 1 */
+/* Of layered surfaces: a thin wall spreads by its roughness where that is above
+ * HDS_CLEAR_ROUGHNESS, and there what has been read at a hit still has the flag. */
+#define HDS_MATERIAL_FROSTED 1u
+#define HDS_MATERIAL_CUTOUT 2u /* opacity may be below 1 */
 #define HDS_MATERIAL_EMISSIVE 4u
 #define HDS_MATERIAL_NORMAL 8u    /* the normal input is not (0,0,1) */
 #define HDS_MATERIAL_LAMBERT 16u  /* no specular lobe at all: a prim without bound material */
@@ -51,10 +53,24 @@ enum {
 #define HDS_LOBE_SCHLICK 256u     /* a dielectric's reflection by Schlick's term, generalised */
 #define HDS_LOBE_COAT_FRAME 512u  /* a coat with a normal of its own, or stretched */
 #define HDS_LOBE_FROST 1024u      /* thin walls that spread what they transmit */
-#define HDS_LOBES_ALL 2047u
-#define HDS_LOBES_RARE 768u /* those that HDS_RARE_INPUT is for */
+#define HDS_LOBE_RETRO 2048u      /* reflections that send light back */
+#define HDS_LOBE_COVERED 4096u    /* what lies on it is chosen apart (HDS_INPUT_COVER) */
+#define HDS_LOBES_ALL 8191u
+#define HDS_LOBES_RARE 6912u /* those that HDS_RARE_INPUT is for */
 /* Those that are known to the form of one path alone (HDS_SHADE_WIDE). */
 #define HDS_LOBES_ALONE (HDS_LOBE_FILM | HDS_LOBE_SCHLICK)
+
+/* Of closures that a hit chooses from some may have a fuzz and others a sheen: the roughness of a
+ * sheen is taken from this then. */
+#define HDS_SHEEN_MARK -8.0f
+
+/* What lies on a closure that a hit has chosen: so many are looked at (HDS_LOBE_COVERED). */
+#define HDS_MAX_COVERS 8
+
+/* Thin walls that are no rougher let light straight on: the default of the models and a little
+ * more.
+ */
+#define HDS_CLEAR_ROUGHNESS 0.35f
 
 /* What a ray goes through (shading/medium.clh). */
 #define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */

@@ -314,19 +314,6 @@ def test_what_is_not_supported_is_said(tmp_path):
     assert "ND_ours_bsdf" in warnings and "emits alike in all directions" in warnings
 
 
-@pytest.mark.parametrize("name, inputs", [("dielectric_bsdf", {}), ("conductor_bsdf", {}), ("generalized_schlick_bsdf", {}),
-                                          ("generalized_schlick_bsdf", dict(color90=GOLD))])
-def test_closures_that_send_light_back_say_that_they_do_not(tmp_path, name, inputs):
-    """`retroreflective` of MaterialX 1.39.5: one line that names material and node, and nothing where it is false."""
-    for isAsked in (True, False):
-        def Sent(c):
-            return c.Layer(c(name, retroreflective=isAsked, **inputs), c.Diffuse()) if name == "dielectric_bsdf" else c(
-                name, retroreflective=isAsked, **inputs)
-        warnings = _Picture(tmp_path, _Surface(Sent), samples=1, size=8).warnings
-        assert len(warnings) == isAsked
-        assert not isAsked or ("/World/Look" in warnings[0] and "retroreflective" in warnings[0])
-
-
 GRAPHS = {
     STANDARD: [dict(base=1.0, base_color=RED, specular_roughness=0.4),
                dict(base=1.0, base_color=GOLD, metalness=0.5, specular_roughness=0.4),

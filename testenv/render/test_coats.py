@@ -187,18 +187,6 @@ def _Layered(*bsdfs):
     return Add
 
 
-@pytest.mark.parametrize("own", [dict(tint=(0.9, 0.5, 0.2)), dict(thinfilm_thickness=380.0, thinfilm_ior=1.7), {}])
-def test_what_a_second_reflection_loses_is_told(tmp_path, own):
-    """It is a coat, which has no colour and no film. One line names its layer; what a coat has is not told."""
-    def Look(**inputs):
-        return _Render(tmp_path, _Layered(("dielectric", dict(roughness=(0.1, 0.1), **inputs)), ("dielectric", dict(ior=1.8)),
-                                          ("oren_nayar_diffuse", dict(color=RED))), samples=4, size=8)
-    picture = Look(**own)
-    lines = [line for line in picture.warnings if "Layer0: above another reflection it has neither a colour nor a film" in line]
-    assert len(lines) == len(picture.warnings) == bool(own) and all("/World/Look" in line for line in lines), picture.warnings
-    assert np.array_equal(picture.rgb, Look().rgb)
-
-
 @pytest.mark.parametrize("front, exponent, index", [((1 / 9, 1 / 9, 1 / 9), 5.0, 2.0), ((0.04, 0.04, 0.04), 3.0, 2.0),
                                                     ((0.3, 0.6, 0.8), 5.0, 1.5)])
 def test_glass_below_a_schlicks_term_refracts_by_its_own_index(tmp_path, front, exponent, index):
@@ -217,20 +205,6 @@ def test_glass_below_a_schlicks_term_refracts_by_its_own_index(tmp_path, front, 
                    for look in (Look, lambda stage: Look(stage, -5.0)))
     assert whole == pytest.approx(1 - _Schlick(exponent, np.cos(theta), np.array(front), np.ones(3), np.ones(3)), abs=4e-3)
     assert half / whole == pytest.approx(0.5, abs=0.01)
-
-
-SMOOTH = dict(roughness=(0.0, 0.0))
-
-
-@pytest.mark.parametrize("degrees", [0, 75])
-def test_gold_over_plastic_is_opaque_with_a_warning(tmp_path, degrees):
-    front, edge = np.array((0.9, 0.7, 0.3)), np.array((1.0, 0.8, 0.9))
-    look = _Layered(("generalized_schlick", dict(color0=tuple(front), color82=tuple(edge), **SMOOTH)), ("dielectric", {}),
-                    ("oren_nayar_diffuse", dict(color=RED)))
-    picture = _Render(tmp_path, look, DOME, 64, 8, shapes.Plane(60, 60), degrees, maxDepth=2)
-    expected = _Schlick(5.0, np.cos(np.radians(degrees)), front, edge, np.ones(3))
-    assert picture.rgb.mean((0, 1)) == pytest.approx(expected, abs=3e-3)
-    assert [text for text in picture.warnings if "Layer0" in text and "lets nothing through" in text], picture.warnings
 
 
 def test_a_coat_stays_smooth_below_a_sheen_with_a_normal(tmp_path):
@@ -258,18 +232,6 @@ def test_a_reflection_by_hand_has_its_own_normal(tmp_path, mapped):
     byHand = _Layered(("dielectric", dict(roughness=(0.25, 0.25), **Inputs("top", "normal"))),
                       ("oren_nayar_diffuse", dict(color=RED, **Inputs("base", "normal"))))
     assert np.array_equal(_Picture(tmp_path, byHand, samples=4), _Picture(tmp_path, Coat, samples=4))
-
-
-@pytest.mark.parametrize("mapped", ["top", "base", "both"])
-def test_a_sheen_has_the_normal_of_what_it_lies_on(tmp_path, mapped):
-    """What it lies on keeps its own. One line names the layer where the sheen names another."""
-    def Look(top, base):
-        return _Layered(("sheen", dict(normal=_Map) if top else {}), ("oren_nayar_diffuse", dict(color=RED, **(dict(normal=_Map) if base else {}))))
-    isBumped = mapped != "top"
-    picture = _Render(tmp_path, Look(mapped != "base", isBumped), samples=4)
-    lines = [line for line in picture.warnings if "a sheen has the normal of what lies below" in line]
-    assert len(lines) == (0 if mapped == "both" else 1) and all("/World/Look" in line for line in lines), picture.warnings
-    assert np.array_equal(picture.rgb, _Picture(tmp_path, Look(isBumped, isBumped), samples=4))
 
 
 @pytest.mark.parametrize("degrees", [0, 60, 80])

@@ -281,12 +281,21 @@ def test_a_mix_with_another_closure_is_the_mean_of_both(tmp_path, other):
     assert half.warnings == []
 
 
-def test_what_lies_on_hair_is_left_out_with_a_warning(tmp_path):
-    coated = _Picture(tmp_path, "coated", _Closure(lambda stage, hair: AddNode(
-        stage, "/World/Look/Coat", "ND_layer_bsdf", _T.Token, base=hair,
-        top=AddNode(stage, "/World/Look/Top", "ND_dielectric_bsdf", _T.Token))))
-    assert coated.layers["color"].tobytes() == _Picture(tmp_path, "plain", _Hair()).layers["color"].tobytes()
-    assert any("what lies on hair is left out" in warning for warning in coated.warnings)
+@pytest.mark.parametrize("isRibbon", [False, True], ids=["round", "ribbon"])
+def test_what_lies_on_hair_takes_what_it_reflects(tmp_path, isRibbon):
+    """Hair that absorbs nothing below a reflection is invisible in a furnace; where it absorbs all, the reflection is left."""
+    def Fibre(absorption):
+        def Fill(stage):
+            AddHair(stage, "/World/Look", absorption, tint_R=(1.0,) * 3 if absorption[0] == 0.0 else (0.0,) * 3)
+            top = AddNode(stage, "/World/Look/Top", "ND_dielectric_bsdf", _T.Token, ior=1.8, roughness=(0.3, 0.3))
+            hair = UsdShade.Shader.Get(stage, "/World/Look/Hair"), "out"
+            layer = AddNode(stage, "/World/Look/Layer", "ND_layer_bsdf", _T.Token, top=top, base=hair)
+            _Fibre(stage, "/World/Fibre", AddSurface(stage, "/World/Look", "ND_surface", bsdf=layer), 1.0, 20.0, isRibbon)
+        picture = _Render(_Stage(tmp_path / "a.usda", Fill), samples=2048, maxDepth=1)
+        assert picture.warnings == []
+        return picture.rgb[:, 3:13].mean((0, 1))
+    assert Fibre((0.0, 0.0, 0.0)) == pytest.approx(np.ones(3), abs=0.01)
+    assert (Fibre((1e4, 1e4, 1e4)) > 0.05).all()  # (0.8 / 2.8)^2 along the normal, less what a rough lobe loses
 
 
 def test_primvars_are_read_by_curve_and_by_vertex(tmp_path):

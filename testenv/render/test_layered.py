@@ -10,8 +10,8 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 import ours
-from pxr import Sdf, UsdShade
-from stages import author, shapes
+from pxr import Sdf, UsdShade, Vt
+from stages import author, imageFile, shapes
 from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
 
 GLTF = "ND_gltf_pbr_surfaceshader"
@@ -201,6 +201,46 @@ def test_clear_thin_walls_pass_shadow_rays(tmp_path, identifier, roughness, isCl
     picture = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=16, maxDepth=0)
     assert picture.warnings == []
     assert (picture.rgb.mean() > 0.1) == isClear, picture.rgb.mean()
+
+
+def _WallOfTwoParts(tmp_path, identifier, isPainted):
+    """A wall over a floor in the sun, seen from above: half clear, half as rough as can be. isPainted: by the texels of an image, else
+    by two materials."""
+    inputs, name = _FROSTED[identifier]
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    image = str(tmp_path / "roughness.exr")
+    imageFile.WriteExr(image, {"Y": np.array([[0.0, 1.0]])})
+    x = np.array([-2.0, 0.0, 0.0, -2.0, 0.0, 2.0, 2.0, 0.0])
+    z = np.array([2.0, 2.0, -2.0, -2.0] * 2)
+    st = np.stack([np.repeat([0.25, 0.75], 4), np.full(8, 0.5)], -1)  # a texel each
+    both = shapes.Shape(np.stack([x, 0 * x, z], -1), np.full(2, 4), np.arange(8), np.tile([0.0, 1.0, 0.0], (8, 1)), st)
+    wall = author.AddMesh(stage, "/World/Wall", both, doubleSided=True, translate=(0, 1, 0))
+    if isPainted:
+        UsdShade.Material.Define(stage, "/World/Look")
+        texels = AddNode(stage, "/World/Look/Image", "ND_image_float", Sdf.ValueTypeNames.Float, file=Sdf.AssetPath(image))
+        author.Bind(wall, AddSurface(stage, "/World/Look", identifier, **{**inputs, name: texels}))
+    else:
+        for face, roughness in enumerate((0.0, 1.0)):
+            part = UsdShade.MaterialBindingAPI.Apply(wall.GetPrim()).CreateMaterialBindSubset(f"Part{face}", Vt.IntArray([face]))
+            author.Bind(part, AddSurface(stage, f"/World/Look{face}", identifier, **{**inputs, name: roughness}))
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(8, 8), (0.5, 0.5, 0.5))
+    author.AddLight(stage, "/World/Sun", "Distant", angle=0.0, intensity=1.0, placement=dict(rotate=(-80, 0, 0)))
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=0.1)
+    author.AddCamera(stage, eye=(0, 5, 0), target=(0, 0, 0), up=(0, 0, -1), width=3.0, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=16, maxDepth=4)
+    assert picture.warnings == []
+    return picture.rgb
+
+
+@pytest.mark.parametrize("identifier", _FROSTED)
+def test_a_wall_whose_roughness_varies_is_clear_where_it_is_smooth(tmp_path, identifier):
+    """To the bit what two materials on its parts are: the sun passes the clear part, and the other one spreads it."""
+    painted, apart = (_WallOfTwoParts(tmp_path, identifier, isPainted) for isPainted in (True, False))
+    assert np.array_equal(painted, apart)
+    left, right = painted[4:12, :7].mean(), painted[4:12, 9:].mean()
+    sun = 0.5 / np.pi * np.cos(np.radians(10.0))  # on the floor
+    assert left > 0.9 * sun and abs(right - left) > 0.1 * sun, (left, right)
 
 
 @pytest.mark.parametrize("identifier, name", [(STANDARD, "thin_walled"), (OPEN_PBR, "geometry_thin_walled"), ("ND_surface", "thin_walled")])

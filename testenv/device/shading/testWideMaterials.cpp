@@ -10,9 +10,9 @@
 namespace hds::test {
 namespace {
 
-constexpr std::size_t kMaxInputs = 48;
+constexpr std::size_t kMaxInputs = 49;
 constexpr std::size_t kNumbers = 3 * kMaxInputs + 17;
-constexpr std::size_t kResults = 116;
+constexpr std::size_t kResults = 117;
 
 const char* const kText = R"(
 Real* putSpace(Real* out, const HdsShadingPoint* s) {
@@ -86,6 +86,11 @@ Real* putLayered(Real* out, Bool isIt, const HdsLayeredSurface* s) {
 #else
     out = put1(out, (Real)(0.0f));
 #endif
+#if (HDS_LOBES & HDS_LOBE_RETRO) != 0u
+    out = put1(out, only1(isIt, s->retro));
+#else
+    out = put1(out, (Real)(0.0f));
+#endif
 #if HDS_FEATURE_MEDIA
     out = put1(out, only1(isIt, s->farShare));
 #else
@@ -94,7 +99,7 @@ Real* putLayered(Real* out, Bool isIt, const HdsLayeredSurface* s) {
     return out;
 }
 #endif
-/* in: values of 48 inputs; two normals, two tangents, the viewer; lobes and flags. */
+/* in: values of 49 inputs; two normals, two tangents, the viewer; lobes and flags. */
 void materials(const HdsTestContext* context, const Real* in, Real* out) {
     HdsMaterialPoint m;
     for (uint i = 0u; i < HDS_NUM_BSDF_INPUTS; ++i) {
@@ -102,7 +107,7 @@ void materials(const HdsTestContext* context, const Real* in, Real* out) {
         m.values[i].y = in[3u * i + 1u];
         m.values[i].z = in[3u * i + 2u];
     }
-    const Real* at = in + 144;
+    const Real* at = in + 147;
     m.normal = take3(at);
     m.shadingNormal = take3(at + 3);
     m.alongS = take3(at + 6);
@@ -131,7 +136,7 @@ void materials(const HdsTestContext* context, const Real* in, Real* out) {
 )";
 
 const char* const kKernels = R"(
-HDS_TEST_FORMS(materials, 161, 116)
+HDS_TEST_FORMS(materials, 164, 117)
 )";
 
 /// The value of an input: mostly in its range, at times out of it, and not a number.
@@ -193,7 +198,7 @@ protected:
 };
 
 TEST_F(WideMaterials, OfPreviewSurfacesHaveTheSameBits) {
-    EXPECT_EQ(ExpectSame({}, 0), 70U) << "those of layered surfaces";
+    EXPECT_EQ(ExpectSame({}, 0), 71U) << "those of layered surfaces";
 }
 
 TEST_F(WideMaterials, OfLayeredSurfacesHaveTheSameBits) {

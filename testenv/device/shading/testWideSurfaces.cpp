@@ -18,9 +18,9 @@ HDS_TEST_STRUCT(Surface)
 #if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
 #define HDS_TEST_BASE(R3) R3(base.x) R3(base.y) R3(base.z)
 #define HDS_TEST_COAT(R2) R2(coatStretch)
-#define HDS_TEST_FROST(R1) R1(frost)
+#define HDS_TEST_FROST(R1) R1(frost) R1(retro)
 #define HDS_TEST_NUM_SPACE 27
-#define HDS_TEST_NUM_LAYERED 65
+#define HDS_TEST_NUM_LAYERED 66
 #else
 #define HDS_TEST_BASE(R3)
 #define HDS_TEST_COAT(R2)
@@ -91,13 +91,13 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     in += 22;
 #if HDS_LOBES
     LayeredSurface_make(&at.bsdf.layered, in);
-    at.bsdf.isLayered = as_Uint(in[65]);
+    at.bsdf.isLayered = as_Uint(in[66]);
 #if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
     at.bsdf.layered.base = frame_fromNormal(at.bsdf.layered.base.x);
     at.shading.base = at.bsdf.layered.base;
 #endif
 #endif
-    in += 66;
+    in += 67;
     at.shading.frame = frame_fromNormal(take3(in));
     at.shading.geomNormal = take3(in + 3);
     at.shading.geomLocal = frame_toLocal(&at.shading.frame, at.shading.geomNormal);
@@ -158,7 +158,7 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
 
 const char* const kKernels = R"(
 HDS_TEST_FORMS(microfacets, 14, 31)
-HDS_TEST_FORMS(scatters, 128, 54)
+HDS_TEST_FORMS(scatters, 129, 54)
 HDS_TEST_LANES(Surface, 22)
 HDS_TEST_LANES(ShadingPoint, HDS_TEST_NUM_SPACE)
 HDS_TEST_LANES(SurfacePoint, 7)
@@ -237,6 +237,7 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     AddLocalNormal(r, one);
     AddLocalNormal(r, one);
     one.Add({r.Is(3) ? 1.0F : 0.0F}); // frosted
+    one.Add({r.Is(3) ? 1.0F : 0.0F}); // it sends light back
 }
 
 void AddScatter(LaneRandom& r, LaneCase& one) {
@@ -303,7 +304,7 @@ TEST_P(WideSurfaces, StructsLieInTheirLane) {
     ExpectLanes(*_program, "LightSample", 12);
     ExpectLanes(*_program, "ScatteredRay", 20);
     if (GetParam() != 0) {
-        ExpectLanes(*_program, "LayeredSurface", isFramed ? 65 : 53);
+        ExpectLanes(*_program, "LayeredSurface", isFramed ? 66 : 53);
     }
 }
 

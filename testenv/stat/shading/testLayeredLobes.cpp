@@ -428,6 +428,52 @@ TEST_F(LayeredLobesTest, RefractionIsWaltersBesideReflection) {
     }
 }
 
+/// The lobe is that of the viewer's mirror image, and lies around the viewer (MaterialX 1.39.5,
+/// `retroreflective`).
+TEST_F(LayeredLobesTest, ReflectionsThatSendLightBackMirrorTheViewer) {
+    constexpr double kIor = 1.7;
+    const double colors[] = {0.95, 0.5, 0.1};
+    const double f0 = std::pow((kIor - 1.0) / (kIor + 1.0), 2.0);
+    for (const double roughness : {0.1, 0.3, 0.6, 1.0}) {
+        const double alphaX = std::min(1.3 * AlphaOf(roughness), 1.0);
+        const double alphaY = 0.7 * AlphaOf(roughness);
+        LayeredParameters metal = Black();
+        metal.Set(HDS_INPUT_METALLIC, 0.9F)
+            .Set(HDS_INPUT_METAL_COLOR, 0.95F, 0.5F, 0.1F)
+            .Set(HDS_INPUT_ROUGHNESS, float(roughness))
+            .Set(HDS_INPUT_STRETCH, 1.3F, 0.7F, 0.0F)
+            .Set(HDS_INPUT_RETRO, 1.0F);
+        LayeredParameters dielectric = metal;
+        dielectric.Set(HDS_INPUT_METALLIC, 0.0F)
+            .Set(HDS_INPUT_DIELECTRIC, 1.0F)
+            .Set(HDS_INPUT_IOR, float(kIor));
+        std::map<double, double> losses; // of the round lobe, which the tables have
+        for (const double o : kCosines) {
+            const double white = reference::ReflectionAlbedo(o, std::sqrt(alphaX * alphaY),
+                                                             [](double) { return 1.0; });
+            losses[Towards(o).z] = (1.0 - white) / white;
+        }
+        const auto lobe = [&](const glm::dvec3& wo, const glm::dvec3& wi, const auto& fresnel) {
+            const glm::dvec3 mirrored = glm::reflect(-wo, glm::dvec3(0.0, 0.0, 1.0));
+            const double cosine = glm::dot(mirrored, glm::normalize(mirrored + wi));
+            return reference::StretchedReflection(mirrored, wi, alphaX, alphaY, fresnel(cosine));
+        };
+        Check("metal " + std::to_string(roughness), metal, Above(), kFloat + kTables, 0.0,
+              [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                  const double color = colors[k];
+                  return 0.9 * (1.0 + color * losses.at(wo.z)) * lobe(wo, wi, [&](double cosine) {
+                             return reference::Metal(color, 1.0, cosine);
+                         });
+              });
+        Check("dielectric " + std::to_string(roughness), dielectric, Above(), kFloat + 2e-3, 0.0,
+              [&](const glm::dvec3& wo, const glm::dvec3& wi, int) {
+                  return (1.0 + f0 * losses.at(wo.z)) * lobe(wo, wi, [&](double cosine) {
+                             return reference::Dielectric(cosine, kIor);
+                         });
+              });
+    }
+}
+
 TEST_F(LayeredLobesTest, FrostedWallsMirrorTheirReflection) {
     for (const double roughness : {0.2, 0.5, 1.0}) {
         for (const bool isBack : {false, true}) {

@@ -30,6 +30,10 @@ LayeredParameters Glass(float roughness) {
     LayeredParameters p;
     return p.Set(HDS_INPUT_TRANSMISSION, 1.0F).Set(HDS_INPUT_ROUGHNESS, roughness);
 }
+/// It sends light back.
+LayeredParameters Retro(LayeredParameters p) {
+    return p.Set(HDS_INPUT_RETRO, 1.0F);
+}
 LayeredParameters Frosted(float roughness) {
     LayeredParameters p = Glass(roughness);
     p.flags = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
@@ -43,6 +47,8 @@ std::vector<Case> WhiteCases() {
         const std::string suffix = " roughness " + std::to_string(r);
         cases.push_back({"dielectric" + suffix, WhiteDielectric(r)});
         cases.push_back({"metal" + suffix, Metal(r)});
+        cases.push_back({"dielectric that sends back" + suffix, Retro(WhiteDielectric(r))});
+        cases.push_back({"metal that sends back" + suffix, Retro(Metal(r))});
         cases.push_back(
             {"rough diffuse" + suffix, WhiteDielectric(0.3F).Set(HDS_INPUT_DIFFUSE_ROUGHNESS, r)});
         cases.push_back({"coat" + suffix, WhiteDielectric(0.4F)
@@ -182,6 +188,14 @@ TEST_F(LayeredTest, SamplesFollowTheirDensity) {
     for (const double cosine : {0.3, 0.9}) {
         CheckChiSquare("stretched metal", Metal(0.6F).Set(HDS_INPUT_STRETCH, 1.4F, 0.6F, 0.0F),
                        cosine, seed++);
+        CheckChiSquare("stretched metal that sends back below a coat",
+                       Retro(Metal(0.6F))
+                           .Set(HDS_INPUT_STRETCH, 1.4F, 0.6F, 0.0F)
+                           .Set(HDS_INPUT_CLEARCOAT, 1.0F)
+                           .Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, 0.3F),
+                       cosine, seed + 1000);
+        CheckChiSquare("glass that sends back", Retro(Glass(0.6F)), cosine, seed + 1001,
+                       kChiSquareFineSubdivisions);
         CheckChiSquare("coat",
                        WhiteDielectric(0.7F)
                            .Set(HDS_INPUT_CLEARCOAT, 1.0F)
@@ -228,6 +242,24 @@ TEST_F(LayeredTest, LobesAloneAreReciprocal) {
             const double f = forth[i][0] / pairs[i][1].z;
             EXPECT_NEAR(f, back[i][0] / pairs[i][0].z, 1e-5 * f) << i;
             EXPECT_GT(f, 0.0);
+        }
+    }
+}
+
+/// Of white metal, whose factor depends on the viewer: it is that of the lobe that does not send
+/// light back, and so is what the two directions differ by.
+TEST_F(LayeredTest, LobesThatSendLightBackAreReciprocal) {
+    const LayeredParameters metal = Metal(0.5F).Set(HDS_INPUT_STRETCH, 1.4F, 0.6F, 0.0F);
+    for (const double cosine : {0.15, 0.4, 0.8}) {
+        for (const double phi : {0.3, 2.0, 4.0}) {
+            const glm::dvec3 a = Towards(cosine, phi);
+            const glm::dvec3 b = Towards(0.6, 1.0);
+            const auto asymmetry = [&](const LayeredParameters& p) {
+                const auto values = Evaluate(p, {{a, b}, {b, a}});
+                EXPECT_GT(values[1][0], 0.0);
+                return values[0][0] / b.z / (values[1][0] / a.z);
+            };
+            EXPECT_NEAR(asymmetry(Retro(metal)), asymmetry(metal), 1e-5) << cosine << " " << phi;
         }
     }
 }

@@ -67,8 +67,9 @@ TEST(GeneralKernels, LayeredSurfacesTakeTheSlowerSet) {
     EXPECT_TRUE(GeneralFeatures(features).front().media);
     features.lobes |= HDS_LOBE_COAT_FRAME; // a coat over bumps, as of car paint
     EXPECT_EQ(GeneralFeatures(features).size(), 1U);
-    // Shading for eight paths does not know films, nor Schlick's terms.
-    for (const std::uint32_t lobe : {HDS_LOBE_FILM, HDS_LOBE_SCHLICK}) {
+    // Shading for eight paths does not know films, nor Schlick's terms; others are rare.
+    for (const std::uint32_t lobe :
+         {HDS_LOBE_FILM, HDS_LOBE_SCHLICK, HDS_LOBE_RETRO, HDS_LOBE_COVERED}) {
         features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT | lobe;
         EXPECT_TRUE(GeneralFeatures(features).empty());
     }
