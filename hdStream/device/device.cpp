@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/device.h"
 
+#include "hdStream/base/letters.h"
 #include "hdStream/device/deviceOrder.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/openclHandles.h"
 #include "hdStream/device/poclCache.h"
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <thread>
 #include <tuple>
@@ -140,9 +140,7 @@ std::vector<FoundDevice> FindDevices() {
 }
 
 bool ContainsIgnoringCase(const std::string& text, const std::string& part) {
-    const auto equal = [](unsigned char a, unsigned char b) {
-        return std::tolower(a) == std::tolower(b);
-    };
+    const auto equal = [](char a, char b) { return LowerLetter(a) == LowerLetter(b); };
     return std::search(text.begin(), text.end(), part.begin(), part.end(), equal) != text.end();
 }
 

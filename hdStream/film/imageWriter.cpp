@@ -2,6 +2,7 @@
 #include "hdStream/film/imageWriter.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/base/letters.h"
 #include "hdStream/film/aov.h"
 #include "hdStream/film/atomicFile.h"
 #include "hdStream/film/quantise.h"
@@ -14,7 +15,6 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -31,9 +31,7 @@ FileKind KindOf(const std::string& file) {
     const std::size_t dot = file.find_last_of("./\\");
     std::string extension =
         dot == std::string::npos || file[dot] != '.' ? "" : file.substr(dot + 1);
-    for (char& c : extension) {
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    std::transform(extension.begin(), extension.end(), extension.begin(), LowerLetter);
     static const std::map<std::string, FileKind> kinds{
         {"exr", FileKind::Exr},   {"png", FileKind::Png},  {"jpg", FileKind::Jpeg},
         {"jpeg", FileKind::Jpeg}, {"tif", FileKind::Tiff}, {"tiff", FileKind::Tiff},

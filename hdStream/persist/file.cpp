@@ -71,6 +71,11 @@ File File::Open(const std::string& path) {
             false};
 }
 
+File File::OpenForReading(const std::string& path) {
+    return {Uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); }),
+            false};
+}
+
 File File::Create(const std::string& path) {
     return {Uninterrupted(
                 [&] { return ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644); }),

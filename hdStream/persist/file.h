@@ -26,8 +26,12 @@ public:
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    /// For reading and writing, else for reading only, else not open.
+    /// For reading and writing, else for reading only, else not open. A symbolic link is not open:
+    /// for files of our own.
     static File Open(const std::string& path);
+    /// For reading only, else not open. For files of others: links are followed, and a pipe is not
+    /// waited for.
+    static File OpenForReading(const std::string& path);
     /// For reading and writing; not open if the path exists (errno EEXIST) or cannot be made.
     static File Create(const std::string& path);
 

@@ -129,7 +129,7 @@ std::optional<PackageFile> PackageFile::Open(const std::string& path) {
         range = *inner;
     }
     PackageFile package(std::move(range));
-    package._file = File::Open(package._range.file);
+    package._file = File::OpenForReading(package._range.file);
     if (!package._file.IsOpen()) {
         return std::nullopt;
     }

@@ -171,7 +171,7 @@ std::shared_ptr<const IesProfile> LoadProfile(const AssetReference& asset, Warni
     std::string text;
     std::string error = "the file does not exist";
     if (!asset.file.empty()) {
-        const File file = File::Open(asset.file);
+        const File file = File::OpenForReading(asset.file);
         const std::uint64_t size = asset.size > 0 ? asset.size : file.Size();
         text.resize(std::min(size, kMaxProfileBytes));
         error = !file.IsOpen() || !file.Read(asset.offset, text.data(), text.size())

@@ -56,7 +56,7 @@ bool Touches(const Reach& inner, const Reach& outer) {
 PlaceTables::PlaceTables(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const CommittedScene& committed, const Shutter& shutter)
     : _leaves(leaves), _shutter(shutter), _records(leaves.size()), _reach(leaves.size()),
-      _reachOfOthers(ReachBesideLeaves(scene)), _tlas(committed.objects[0]),
+      _reachOfOthers(ReachBesideLeaves(scene, &_otherPieces)), _tlas(committed.objects[0]),
       _refit(committed.topNodes.data() + _tlas.nodeBase, NumNodes(committed), _tlas.numItems) {
     const bool isMendable = NumNodes(committed) > 0 && !committed.hasInstanceChunks &&
                             !committed.hasCatchers && committed.motionKeys.empty();
@@ -109,7 +109,7 @@ bool PlaceTables::Mend(const std::vector<std::size_t>& leaves, CommittedScene* c
         }
         _isReachOld = false;
     }
-    if (CentreOfReach(_reachOfAll) != committed->centre) {
+    if (CentreOfReach(_reachOfAll, _reach, _otherPieces) != committed->centre) {
         return false;
     }
     for (const std::uint32_t node : _refit.Write(committed->topNodes.data() + _tlas.nodeBase)) {

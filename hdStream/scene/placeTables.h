@@ -56,6 +56,7 @@ private:
     Shutter _shutter;
     std::vector<Record> _records; ///< by leaf
     std::vector<Reach> _reach;    ///< by leaf; of hidden ones nothing
+    std::vector<Reach> _otherPieces; ///< of what is no leaf, as CentreOfReach takes them
     Reach _reachOfOthers;
     Reach _reachOfAll;
     bool _isReachOld = false; ///< something that reached as far has moved

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/imageFile.h"
 
+#include "hdStream/base/letters.h"
 #include "hdStream/texture/imageFormat.h"
 #include "hdStream/texture/jpegHeader.h"
 #include "hdStream/texture/oneLine.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -287,7 +287,7 @@ int ColorChannels::End() const {
 
 ColorChannels FindColorChannels(const OIIO::ImageSpec& spec) {
     const auto find = [&spec](char upper) {
-        const char lower = static_cast<char>(std::tolower(static_cast<unsigned char>(upper)));
+        const char lower = LowerLetter(upper);
         for (int c = 0; c < spec.nchannels; ++c) {
             const std::string name = spec.channel_name(c);
             if (name.size() == 1 && (name[0] == upper || name[0] == lower)) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/imageFormat.h"
 
+#include "hdStream/base/letters.h"
+
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 
+#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <string_view>
 #include <vector>
@@ -51,9 +53,7 @@ std::string ExtensionOf(const std::string& name) {
     if (!extension.empty() && extension.back() == ']') {
         extension.pop_back();
     }
-    for (char& c : extension) {
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    std::transform(extension.begin(), extension.end(), extension.begin(), LowerLetter);
     return extension;
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <stdexcept>
@@ -128,6 +129,11 @@ private:
 openvdb::GridBase::Ptr ReadGrid(const VdbRequest& request) {
     static std::once_flag isReady;
     std::call_once(isReady, openvdb::initialize);
+    std::error_code code;
+    const auto status = std::filesystem::status(request.file, code);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+        throw std::runtime_error("is not a file"); // opening a pipe would wait for its writer
+    }
     RangeBuffer buffer(request.file, request.offset);
     if (!buffer.is_open()) {
         throw std::runtime_error("cannot be opened");

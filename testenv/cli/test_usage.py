@@ -3,6 +3,9 @@
 
 import ctypes.util
 import os
+import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -104,6 +107,8 @@ def test_missing_and_unreadable_stages(tmp_path, command):
     (tmp_path / "empty.usda").write_bytes(b"")
     AssertFails(RunHere(command, tmp_path / "empty.usda", *output), 1, "empty.usda")
     AssertFails(RunHere(command, tmp_path, *output), 1, tmp_path)
+    os.mkfifo(tmp_path / "pipe.usda")  # nobody writes into it
+    AssertFails(Run(command, tmp_path / "pipe.usda", *output), 1, "pipe.usda", "is not a file")
 
 
 def test_unwritable_output_is_found_before_rendering(tmp_path):
@@ -125,6 +130,23 @@ def test_statistics_overwrite_neither_the_picture_nor_the_stage(tmp_path):
                 2, "--stats", "the picture")
     AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", stage), 2, "--stats", "the stage")
     assert not list(tmp_path.glob("*.exr")) and stage.read_bytes() == before
+
+
+@pytest.fixture(scope="module")
+def turkish(tmp_path_factory):
+    """The environment of a user whose language has another lower case of I."""
+    folder = tmp_path_factory.mktemp("locales")
+    if not shutil.which("localedef") or subprocess.run(["localedef", "-i", "tr_TR", "-f", "UTF-8", folder / "tr_TR.UTF-8"],
+                                                       capture_output=True).returncode:
+        pytest.skip("no localedef, or no sources of locales")
+    return {"LOCPATH": str(folder), "LC_ALL": "tr_TR.UTF-8"}
+
+
+def test_extensions_in_a_turkish_locale(tmp_path, turkish):
+    isOther = "import ctypes; print(ctypes.CDLL(None).tolower(ord('I')) != ord('i'))"
+    assert subprocess.run([sys.executable, "-c", isOther], env={**os.environ, **turkish}, capture_output=True).stdout == b"True\n"
+    result = Run("record", WriteStage(tmp_path), tmp_path / "O.TIF", *SMALL, environment=turkish)
+    assert result.code == 0 and (tmp_path / "O.TIF").exists(), result.text
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

@@ -54,6 +54,12 @@ def test_tiles_of_udim_sets_count(tmp_path, pattern):
     assert AssetHashes().Of(pattern.format(tmp_path)) != first
 
 
+@pytest.mark.parametrize("Make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero")], ids=["pipe", "device"])
+def test_assets_without_an_end_are_missing(tmp_path, Make):
+    Make(tmp_path / "t.png")
+    assert "missing" in AssetHashes().Of(f"{tmp_path}/t.png")
+
+
 def test_changes_are_seen_by_content(stage, tmp_path):
     output = tmp_path / "o.exr"
     dates = os.stat(stage)

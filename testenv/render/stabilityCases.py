@@ -65,6 +65,13 @@ def FarFromOrigin(folder) -> float:
     return RelMse(_Picture(far, 16), _Picture(near, 16))
 
 
+@_Add("relMSE to the scene at the origin", 1e-5, "the middle of all there is: a stray at the origin, and 1 unit of error at 10^7",
+      "the middle of most (scene/sceneCentre)")
+def FarFromAStray(folder) -> float:
+    near, far = geometryCases.WriteFarPair(folder, hasStray=True)
+    return RelMse(_Picture(far, 16), _Picture(near, 16))
+
+
 @_Add("relMSE to the scene of scale 1", 1e-5, *_SCALE, scale=1e-6)
 @_Add("relMSE to the scene of scale 1", 1e-5, *_SCALE, scale=1e-3)
 @_Add("relMSE to the scene of scale 1", 1e-5, *_SCALE, scale=1e6)

@@ -187,6 +187,19 @@ def test_bad_profiles_are_named(content, reason, tmp_path):
     assert picture.rgb.min() > 0
 
 
+def test_a_profile_may_be_a_link(tmp_path):
+    """As studios have them: the present version of a file is a link."""
+    (tmp_path / "v2.ies").write_text(_IesText())
+    (tmp_path / "lamp.ies").symlink_to("v2.ies")
+    pictures = []
+    for name, file in (("a", "./v2.ies"), ("b", "./lamp.ies")):
+        stage = _Plate(f"{tmp_path}/{name}.usda")
+        author.ShapeLight(author.AddLight(stage, "/World/Light", "Sphere", dict(translate=(0, 2, 0))), iesFile=file, coneAngle=180.0)
+        pictures.append(_Render(stage, samples=4))
+    assert [picture.warnings for picture in pictures] == [[], []]
+    assert pictures[0].rgb.tobytes() == pictures[1].rgb.tobytes()
+
+
 # --- Links -----------------------------------------------------------------------------------------
 
 

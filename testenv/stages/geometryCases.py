@@ -146,14 +146,16 @@ def UpAxisZ(stage, folder):
     _AddSun(stage)
 
 
-def WriteFarPair(folder: str) -> tuple[str, str]:
-    """The blocks at the origin and 10^7 units from it: (near path, far path)."""
+def WriteFarPair(folder: str, hasStray: bool = False) -> tuple[str, str]:
+    """The blocks at the origin and 10^7 units from it: (near path, far path). A stray lies at the origin of the far ones."""
     paths = []
     for name, offset in (("near", (0.0, 0.0, 0.0)), ("far", FAR_OFFSET)):
         stage = author.NewStage(f"{folder}/{name}.usda")
         author.Place(stage.GetPrimAtPath("/World"), translate=offset)
         AddBlocks(stage)
         _AddSun(stage)
+        if hasStray:
+            author.AddMesh(stage, "/Stray", shapes.Box(1.0, 1.0, 1.0), translate=np.subtract(offset, FAR_OFFSET))
         stage.GetRootLayer().Save()
         paths.append(f"{folder}/{name}.usda")
     return paths[0], paths[1]

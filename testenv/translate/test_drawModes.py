@@ -5,6 +5,7 @@ The oracle is usd-core: UsdGeomModelAPI.ComputeModelDrawMode and model kinds, on
 themselves are in the golden scene and in testenv/hydra.
 """
 
+import os
 import struct
 
 import numpy as np
@@ -168,5 +169,7 @@ def test_cut_off_images_have_no_matrices(tmp_path):
         assert ReadMatrices(_core.AssetReference("", str(path))) in ({}, expected)
     path.write_bytes(whole[:8] + b"a\0b\0" + struct.pack("<i", -9) + whole[8:])
     assert ReadMatrices(_core.AssetReference("", str(path))) == {}
+    os.mkfifo(tmp_path / "pipe.exr")  # nobody writes into it
+    assert ReadMatrices(_core.AssetReference("", f"{tmp_path}/pipe.exr")) == {}
     path.write_bytes(b"in a package" + whole)
     assert ReadMatrices(_core.AssetReference("", str(path), 12, len(whole))) == expected

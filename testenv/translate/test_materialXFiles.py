@@ -69,6 +69,24 @@ def test_a_file_gives_the_network_of_its_nodes(tmp_path):
     assert list(session.Warnings()) == []
 
 
+@pytest.mark.parametrize("isReferenced", [False, True])
+def test_a_file_may_be_named_by_an_expression(isReferenced, tmp_path):
+    """Variables of the stage count before those of a layer that it refers to, as OpenUSD has it."""
+    pytest.importorskip("MaterialX")
+    named = _STAGE.replace("@looks.mtlx@", '@`"./${LIBRARY}.mtlx"`@')
+    stage = named.replace("#usda 1.0", '#usda 1.0\n(\n    expressionVariables = { string LIBRARY = "looks" }\n)')
+    path = "/Looks/Wood"
+    if isReferenced:
+        path = "/Part/Looks/Wood"
+        part = stage.replace('"looks"', '"none"').replace("def ", 'def Scope "Part" {\ndef ', 1).replace("</Looks", "</Part/Looks")
+        (tmp_path / "part.usda").write_text(part + "}\n")
+        stage = ('#usda 1.0\n(\n    expressionVariables = { string LIBRARY = "looks" }\n)\n'
+                 'def Scope "Part" (\n    references = @./part.usda@</Part>\n)\n{\n}\n')
+    session = _Translate(tmp_path, _FILE, stage)
+    assert session.Scene().materials[path].terminals["surface"].upstreamPath == f"{path}/Surface"
+    assert list(session.Warnings()) == []
+
+
 def test_a_file_that_cannot_be_read_is_named(tmp_path):
     pytest.importorskip("MaterialX")
     warnings = list(_Translate(tmp_path, "<materialx version='1.38'><oops>").Warnings())

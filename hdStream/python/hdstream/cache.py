@@ -2,9 +2,8 @@
 """`hdstream cache`: where the persistent cache is, how large, how to empty it, and how to have kernels in it before the
 first render."""
 
-import sys
-
 from hdstream import _core
+from hdstream.console import SayError
 from hdstream.texts import BytesText
 
 
@@ -15,6 +14,6 @@ def Run(args):
         return
     if args.kernels is not None:
         for line in _core.PrepareKernels(args.kernels, ""):
-            print(f"warning: {line}", file=sys.stderr)
+            SayError(f"warning: {line}")
     state = _core.InspectCache("")
     print(f"{state.directory}: {BytesText(state.bytes)}")

@@ -11,6 +11,7 @@ import os
 import sys
 
 from hdstream import options
+from hdstream.console import OpenStreams, SayError
 from hdstream.errors import (EXIT_FAILURE, EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError,
                              OneLine)
 from hdstream.interruption import Interruption
@@ -41,6 +42,7 @@ class _Parser(argparse.ArgumentParser):
 
 def Main(arguments=None):
     """Runs a command; returns the exit code. Never shows a traceback for a user's error."""
+    OpenStreams()
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's other threads would spin beside the render, with nothing to do
     os.environ.setdefault("OPENBLAS_MAIN_FREE", "1")  # numpy would set it beside the thread that opens the device and reads others
@@ -53,7 +55,9 @@ def Main(arguments=None):
     if not args.name:
         parser.error("no COMMAND: record renders a stage; hdstream --help lists all")
     try:
-        return args.command(args) or EXIT_OK
+        exitCode = args.command(args) or EXIT_OK
+        sys.stdout.flush()  # what cannot be written is told now, not by Python at its end
+        return exitCode
     except CommandError as error:
         return _Fail(args, error, error.exitCode)
     except KeyboardInterrupt:
@@ -66,13 +70,13 @@ def Main(arguments=None):
         return _Fail(args, "out of memory", EXIT_FAILURE)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        return _Fail(args, where + (error.strerror or str(error)), EXIT_FAILURE)
+        return _Fail(args, OneLine(where + (error.strerror or str(error))), EXIT_FAILURE)
     except Exception as error:  # pylint: disable=broad-except
         return _FailUnexpected(args, error)
 
 
 def _Fail(args, message, exitCode):
-    print(f"hdstream {args.name}: {message}", file=sys.stderr)
+    SayError(f"hdstream {args.name}: {message}")
     return exitCode
 
 

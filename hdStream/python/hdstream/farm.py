@@ -14,6 +14,7 @@ import time
 import uuid
 
 from hdstream import _core, farmWork
+from hdstream.console import Say, SayError
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError, UsageError
 from hdstream.progress import ProgressBar, WarningPrinter
 from hdstream.recordArguments import FramesOf, JobOf
@@ -53,7 +54,7 @@ def RunOnFarm(args, interruption):
             return _Run(_Farm(client, distributed, job, args, numWorkers, progress, warn, shown), frames, progress)
     except KeyboardInterrupt:
         progress.Clear()
-        print("hdstream record: interrupted; frames that are done are whole, others are not written", file=sys.stderr)
+        SayError("hdstream record: interrupted; frames that are done are whole, others are not written")
         return EXIT_INTERRUPTED
 
 
@@ -192,13 +193,13 @@ class _Farm:
             return
         self._progress.Clear()
         if result.get("isThere"):
-            print(f"{self._shown[frame.file]}: is there already")
+            Say(f"{self._shown[frame.file]}: is there already")
         else:
             # Of a frame that was split, the last task only adds up.
             isSplit = "parts" in result["statistics"]
             seconds = time.perf_counter() - self._start if isSplit else result["work"]["seconds"]
-            print(f"{self._shown[frame.file]}: {result['width']}x{result['height']}, {result['samples']} samples, "
-                  f"{SecondsText(seconds)}", flush=True)
+            Say(f"{self._shown[frame.file]}: {result['width']}x{result['height']}, {result['samples']} samples, "
+                f"{SecondsText(seconds)}")
 
 
 # --- How a frame is split --------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import json
 import sys
 
 from hdstream import _core
+from hdstream.console import SayError
 from hdstream.errors import CommandError
 from hdstream.texts import BytesText
 
@@ -15,7 +16,7 @@ def Run(args):
     from hdstream.diagnostics import Diagnostics
     from hdstream.stage import OpenStage
     from hdstream.translate import TranslateStage
-    session = _core.Session(lambda line: print(f"warning: {line}", file=sys.stderr))
+    session = _core.Session(lambda line: SayError(f"warning: {line}"))
     diagnostics = Diagnostics()
     stage = OpenStage(args.stage)
     diagnostics.WarnOf(session)

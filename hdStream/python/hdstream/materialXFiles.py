@@ -38,18 +38,18 @@ def ReplaceFiles(stage):
     try:
         definitions, problems = _StudioDefinitions() if dependencies else ([], [])
     except ImportError:
-        return [(dependency, "needs the package MaterialX: pip install MaterialX") for _, dependency in dependencies]
+        return [(file, "needs the package MaterialX: pip install MaterialX") for _, _, file in dependencies]
     read = set()
     updates = []
-    for layer, dependency in dependencies:
-        path = layer.ComputeAbsolutePath(dependency)
+    for layer, dependency, file in dependencies:
+        path = layer.ComputeAbsolutePath(file)
         try:
             if path not in read:
                 _layers[path] = _ReadLayer(path, definitions)
                 read.add(path)
             updates.append((layer, dependency, _layers[path].identifier))
         except Exception as error:  # MaterialX's own errors have no common base
-            problems.append((dependency, f"cannot be read: {_LineOf(error)}"))
+            problems.append((file, f"cannot be read: {_LineOf(error)}"))
     with Sdf.ChangeBlock():  # the stage is composed again once, not for each file
         for layer, dependency, identifier in updates:
             layer.UpdateCompositionAssetDependency(dependency, identifier)
@@ -58,13 +58,26 @@ def ReplaceFiles(stage):
 
 def UnreadFiles(stage):
     """The .mtlx files that a stage opened elsewhere refers to and nothing reads: OpenUSD without usdMtlx."""
-    return [] if Sdf.FileFormat.FindByExtension("mtlx") else sorted({dependency for _, dependency in _Dependencies(stage)})
+    return [] if Sdf.FileFormat.FindByExtension("mtlx") else sorted({file for _, _, file in _Dependencies(stage)})
 
 
 def _Dependencies(stage):
-    """(layer, file as it names it)"""
-    return [(layer, dependency) for layer in stage.GetUsedLayers() for dependency in layer.GetCompositionAssetDependencies()
-            if dependency.lower().endswith(".mtlx")]
+    """(layer, the text that names a file there, the file)"""
+    found = []
+    for layer in stage.GetUsedLayers():
+        for dependency in layer.GetCompositionAssetDependencies():
+            file = dependency
+            if Sdf.VariableExpression.IsExpression(dependency):
+                file = Sdf.VariableExpression(dependency).Evaluate(_Variables(stage, layer)).value
+            if isinstance(file, str) and file.lower().endswith(".mtlx"):
+                found.append((layer, dependency, file))
+    return found
+
+
+def _Variables(stage, layer):
+    """The expression variables that a layer's expressions see: those of the stage count before its own."""
+    layers = [layer, stage.GetRootLayer(), stage.GetSessionLayer()]
+    return {name: value for one in layers if one for name, value in one.expressionVariables.items()}
 
 
 def IsRead(path):

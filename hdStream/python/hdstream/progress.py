@@ -9,6 +9,7 @@ import threading
 import time
 
 from hdstream import _core
+from hdstream.console import SayError, Write
 from hdstream.texts import SecondsText
 
 _INTERVAL = 0.2  # seconds between redraws
@@ -67,8 +68,7 @@ class ProgressBar:
             self._Draw("")
 
     def _Draw(self, line):
-        sys.stderr.write("\r" + line.ljust(self._length) + ("\r" if not line else ""))
-        sys.stderr.flush()
+        Write(sys.stderr, "\r" + line.ljust(self._length) + ("\r" if not line else ""))
         self._length = len(line)
 
 
@@ -104,4 +104,4 @@ class WarningPrinter:
         if lines:
             self._progress.Clear()
         for line in lines if self._isVerbose else _core.DigestWarnings(lines):
-            print(f"warning: {line}", file=sys.stderr)
+            SayError(f"warning: {line}")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of one stage rendered and written by this process, with a progress bar and Ctrl-C."""
 
-import sys
 import threading
 
+from hdstream.console import Say, SayError
 from hdstream.frameJob import FrameWriter
 from hdstream.framing import FREE_CAMERA_PATH
 from hdstream.recordArguments import FramesOf, JobOf
@@ -32,7 +32,7 @@ class Recorder:
         if not self._writer.Prepare(frame):
             self._progress.Clear()
             if not self._args.quiet:
-                print(f"{files}: is there already")
+                Say(f"{files}: is there already")
             return True
         self._interruption.Check()
         self._NoteFraming()
@@ -43,11 +43,11 @@ class Recorder:
             isWritten = self._writer.Finish(frame, image)
         self._warn.Flush()
         if not isWritten:
-            print(f"hdstream record: {files}: not written, no sample of every pixel is done", file=sys.stderr)
+            SayError(f"hdstream record: {files}: not written, no sample of every pixel is done")
         elif not self._args.quiet:
             done = "" if image.isComplete else " (interrupted)"
-            print(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
-                  f"{SecondsText(image.statistics['time']['total'])}{done}")
+            Say(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
+                f"{SecondsText(image.statistics['time']['total'])}{done}")
         if image.isComplete:
             self._interruption.Check()
         return image.isComplete
@@ -61,7 +61,7 @@ class Recorder:
         self._isFramingNoted = True
         more = f" and {len(cameras) - _NAMED_CAMERAS} more" if len(cameras) > _NAMED_CAMERAS else ""
         self._progress.Clear()
-        print(f"the stage is framed from the front; --camera takes {', '.join(cameras[:_NAMED_CAMERAS])}{more}")
+        Say(f"the stage is framed from the front; --camera takes {', '.join(cameras[:_NAMED_CAMERAS])}{more}")
 
     def _Render(self, frame):
         """Renders on a thread, so that Ctrl-C is seen at once."""
@@ -95,7 +95,7 @@ class Recorder:
                 isStopping.set()
                 self._writer.renderer.Cancel()
                 self._progress.Clear()
-                print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
+                SayError("hdstream record: interrupted; writing what is rendered so far")
         thread.join()  # it has nothing left to do, and must not do that while the process ends
         self._progress.Clear()
         if errors and self._interruption.isRequested:

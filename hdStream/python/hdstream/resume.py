@@ -8,6 +8,7 @@ its bits, and of the program's version and kernels. It is in the header of an .e
 import glob
 import hashlib
 import json
+import os
 
 from pxr import Ar
 
@@ -42,6 +43,8 @@ def _PartsOf(file):
 
 
 def _HashOf(file):
+    if not os.path.isfile(file):  # pipes and devices need have no end
+        return "missing"
     digest = hashlib.blake2b(digest_size=16)
     try:
         with open(file, "rb") as stream:

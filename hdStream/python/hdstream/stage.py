@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Opening a stage and choosing its time codes, as usdrecord does."""
 
+import os
 import re
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
@@ -16,8 +17,11 @@ _PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
 
 def OpenStage(path, maskPaths=()):
     """The stage, with a population mask when paths are given."""
-    if not Ar.GetResolver().Resolve(path):
+    resolved = str(Ar.GetResolver().Resolve(path))
+    if not resolved:
         raise CommandError(f"{path}: no such file")
+    if os.path.exists(resolved) and not os.path.isfile(resolved):  # of a pipe OpenUSD would wait for the writer
+        raise CommandError(f"{path}: not a USD stage: is not a file")
     mask = Usd.StagePopulationMask()
     for maskPath in maskPaths or ():
         if not Sdf.Path.IsValidPathString(maskPath) or not Sdf.Path(maskPath).IsAbsolutePath():

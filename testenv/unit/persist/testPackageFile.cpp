@@ -5,7 +5,9 @@
 #include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <random>
 
 namespace hds {
@@ -77,6 +79,21 @@ TEST(PackageFileTest, EntriesAreFoundWhereTheyAre) {
     const std::optional<PackageFile> nested = PackageFile::Open(path + "[inner.usdz]");
     ASSERT_TRUE(nested);
     EXPECT_EQ(nested->Names(), (std::vector<std::string>{"c.png", "a[1].png"}));
+}
+
+/// As studios have them: the present version of an asset is a link.
+TEST(PackageFileTest, LinksAreFollowed) {
+    const test::TemporaryFolder folder;
+    test::WriteFile(folder.File("v2.usdz"), Zip({{"a.png", "first", 0, 0, 7}}));
+    std::filesystem::create_symlink("v2.usdz", folder.File("now.usdz"));
+    EXPECT_EQ(ContentOf(folder.File("now.usdz") + "[a.png]"), "first");
+}
+
+/// Nobody writes into it: waiting for that would be for ever.
+TEST(PackageFileTest, PipesHaveNoEntries) {
+    const test::TemporaryFolder folder;
+    ASSERT_EQ(::mkfifo(folder.File("p.usdz").c_str(), 0600), 0);
+    EXPECT_EQ(ContentOf(folder.File("p.usdz") + "[a.png]"), "not found");
 }
 
 /// What is cut off or overwritten is not found, or lies inside of the file.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -155,6 +156,9 @@ TEST_F(VdbFile, SaysWhatIsWrong) {
     EXPECT_NE(errorOf({path, 0, "smoke", 0}).find("there are: "), std::string::npos);
     EXPECT_NE(errorOf({path, 0, "wide", 1}).find("index 1"), std::string::npos);
     EXPECT_NE(errorOf({"/nowhere.vdb", 0, "wide", 0}).find("cannot be opened"), std::string::npos);
+    const std::string pipe = _folder.File("pipe.vdb"); // nobody writes into it
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_NE(errorOf({pipe, 0, "wide", 0}).find("is not a file"), std::string::npos);
 }
 
 TEST_F(VdbFile, IsNamedInLettersWhateverItsGridsAreCalled) {

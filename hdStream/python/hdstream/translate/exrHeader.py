@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Matrices and texts in the headers of OpenEXR files; pixels are the core's. Format: openexr.com, "OpenEXR File Layout"."""
 
+import os
 import struct
 
 from pxr import Gf
@@ -27,6 +28,8 @@ def ReadTexts(file):
 
 
 def _ReadHeader(file, offset, kinds, convert):
+    if not os.path.isfile(file):  # of a pipe a reader waits for the writer
+        return {}
     try:
         with open(file, "rb") as stream:
             stream.seek(offset)
