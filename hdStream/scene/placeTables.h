@@ -54,8 +54,8 @@ private:
 
     const std::vector<DrawnLeaf>& _leaves;
     Shutter _shutter;
-    std::vector<Record> _records; ///< by leaf
-    std::vector<Reach> _reach;    ///< by leaf; of hidden ones nothing
+    std::vector<Record> _records;    ///< by leaf
+    std::vector<Reach> _reach;       ///< by leaf; of hidden ones nothing
     std::vector<Reach> _otherPieces; ///< of what is no leaf, as CentreOfReach takes them
     Reach _reachOfOthers;
     Reach _reachOfAll;

@@ -60,8 +60,7 @@ private:
     bool MayBeFar() const {
         std::size_t left = _middles.size() - MostOf(_middles.size());
         for (std::size_t i = 0; i < _middles.size(); ++i) {
-            const bool isFar =
-                glm::length(_middles[i]) > (kMaxDistanceOfMost - 2.0) * _radii[i];
+            const bool isFar = glm::length(_middles[i]) > (kMaxDistanceOfMost - 2.0) * _radii[i];
             if (!isFar && left-- == 0) {
                 return false;
             }
@@ -128,8 +127,8 @@ Reach ReachBesideLeaves(const SceneDescription& scene, std::vector<Reach>* piece
         const std::size_t step = 1 + count / kMostInstances;
         for (std::size_t i = 0; i < count; ++i) {
             Reach place;
-            place.Extend(glm::dvec3((instancer.placement.worldFromObject *
-                                     instancer.instanceTransforms.At(i))[3]));
+            place.Extend(glm::dvec3(
+                (instancer.placement.worldFromObject * instancer.instanceTransforms.At(i))[3]));
             reach.Extend(place);
             if (i % step == 0) {
                 pieces->push_back(place);

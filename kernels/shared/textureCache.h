@@ -27,9 +27,9 @@
 #define HDS_TEXELS_EPOCH 0
 /* Not 0: a coarser mip will do where a line is missing. */
 #define HDS_TEXELS_ACCEPT_COARSER_MIPS 1
-#define HDS_TEXELS_CAPACITY 2      /* requests that the list holds */
-#define HDS_TEXELS_SET_BEGIN 3     /* word at which the set begins */
-#define HDS_TEXELS_SET_MASK 4      /* words of the set, a power of two, less 1 */
+#define HDS_TEXELS_CAPACITY 2  /* requests that the list holds */
+#define HDS_TEXELS_SET_BEGIN 3 /* word at which the set begins */
+#define HDS_TEXELS_SET_MASK 4  /* words of the set, a power of two, less 1 */
 /* From here on kernels write: every look-up reads what is above, so that has a cache line to
  * itself. */
 #define HDS_TEXELS_NUM_REQUESTS 16  /* may exceed the capacity */
