@@ -23,11 +23,9 @@ bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& propertie
                                                     : options.traversal != TraversalForm::Scalar;
 }
 
-/// Meshes that are placed several times are not looked at, but in instance chunks.
+/// Meshes that are placed several times are not looked at.
 bool WillBeFlat(const CommittedScene& scene, const FlatLimits& limits) {
-    const bool isMostFlat = limits.isForced || !scene.hasInstanceChunks ||
-                            double{scene.flatPart} >= FlatAmount().minShare;
-    return isMostFlat && scene.counts.triangles <= MaxFlatTriangles(limits);
+    return scene.counts.triangles <= MaxFlatTriangles(limits);
 }
 
 bool Moves(const CommittedScene& scene, const RenderOptions& options) {
@@ -119,8 +117,11 @@ bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
                const ResidencyOptions& residency, const DeviceProperties& properties) {
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
+    // What instance chunks hold is not walked to find out that it is most of the scene.
+    const bool isMostFlat = options.traversal == TraversalForm::Flat || !scene.hasInstanceChunks ||
+                            double{scene.flatPart} >= FlatAmount().minShare;
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && ChooseSimd8(options, properties) && !scene.hasCatchers &&
+    return isAsked && isMostFlat && ChooseSimd8(options, properties) && !scene.hasCatchers &&
            residency.mode != ResidencyMode::Mapped;
 }
 

@@ -53,24 +53,24 @@ bool Touches(const Reach& inner, const Reach& outer) {
 
 } // namespace
 
+bool PlaceTables::Serves(const CommittedScene& committed) {
+    return NumNodes(committed) > 0 && !committed.hasInstanceChunks && !committed.hasCatchers &&
+           committed.motionKeys.empty();
+}
+
 PlaceTables::PlaceTables(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const CommittedScene& committed, const Shutter& shutter)
     : _leaves(leaves), _shutter(shutter), _records(leaves.size()), _reach(leaves.size()),
       _reachOfOthers(ReachBesideLeaves(scene, &_otherPieces)), _tlas(committed.objects[0]),
       _refit(committed.topNodes.data() + _tlas.nodeBase, NumNodes(committed), _tlas.numItems) {
-    const bool isMendable = NumNodes(committed) > 0 && !committed.hasInstanceChunks &&
-                            !committed.hasCatchers && committed.motionKeys.empty();
-    std::vector<std::uint32_t> leafOfPrim(isMendable ? committed.prims.size() : 0, HDS_NONE);
+    std::vector<std::uint32_t> leafOfPrim(committed.prims.size(), HDS_NONE);
     for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
         _reach[leaf] = leaves[leaf].Prim().placement.visible ? ReachOfLeaf(leaves[leaf]) : Reach();
-        if (isMendable && IsPlain(leaves[leaf])) {
+        if (IsPlain(leaves[leaf])) {
             leafOfPrim[leaves[leaf].object.prim] = static_cast<std::uint32_t>(leaf);
         }
     }
     _isReachOld = true;
-    if (!isMendable) {
-        return;
-    }
     const auto first = committed.instancesByPath.begin() + _tlas.itemBase;
     _byPath.assign(first, first + _tlas.numItems);
     _isHidden.resize(_byPath.size());

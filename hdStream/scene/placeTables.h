@@ -27,10 +27,12 @@ struct PlaceChanges {
 class PlaceTables {
 public:
     /// \param leaves of the scene, in the order of paths; must outlive it. \param committed made of
-    /// them; places may have changed since.
+    /// them; places may have changed since. \pre Serves
     PlaceTables(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                 const CommittedScene& committed, const Shutter& shutter);
 
+    /// Whether leaves of such a scene may be mended at all: of others nobody needs tables.
+    static bool Serves(const CommittedScene& committed);
     /// Whether the leaf is a record of the TLAS that may be mended.
     bool IsMendable(std::size_t leaf) const { return _records[leaf].item != HDS_NONE; }
     /// Whether the tables have a mendable leaf as visible.

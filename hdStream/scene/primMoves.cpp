@@ -14,6 +14,9 @@ void PrimCommit::ForgetTables() {
 
 PrimCommit::Reshaped PrimCommit::Mend(const std::set<std::string>& paths, CommittedScene* scene,
                                       PlaceChanges* changes, const CancelCallback& isCancelled) {
+    if (!PlaceTables::Serves(*scene)) {
+        return Reshaped::Otherwise;
+    }
     if (!_places) {
         _places = std::make_unique<PlaceTables>(_scene, _leaves, *scene, _options.shutter);
     }

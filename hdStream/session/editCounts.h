@@ -56,7 +56,11 @@ public:
     }
 
 private:
-    void NoteMoved(const std::string& path, const GeometryPrim& /*prim*/) { _moved.insert(path); }
+    void NoteMoved(const std::string& path, const GeometryPrim& /*prim*/) {
+        if (_isMovedAlone) { // else nobody asks
+            _moved.insert(path);
+        }
+    }
     /// What places others, or lights them.
     template <typename Prim>
     void NoteMoved(const std::string& /*path*/, const Prim& /*prim*/) {
