@@ -36,7 +36,7 @@ std::uint32_t CullFlags(const GeometryPrim& prim, CullStyle fallback) {
 
 /// Whether how far a material moves a surface varies.
 bool Varies(const DisplacementInput& displacement) {
-    return displacement.network || displacement.lookup || !displacement.primvar.empty();
+    return displacement.network || displacement.lookup;
 }
 
 /// Whether a prim's own primvars say that shading adds nothing to its displacement. Of several the
