@@ -325,6 +325,16 @@ ShaderValue CoverShare(const LayeredMaterial& top) {
     return MakeMath(HDS_MATH_MIN, {MakeMath(HDS_MATH_MAX, {reflected, least}, 1), most}, 1);
 }
 
+/// 1 where the viewer is outside of the surface, 0 inside.
+ShaderValue IsSeenFromOutside() {
+    return MakeMath(HDS_MATH_GREATER, {ViewCosine(), Zero()}, 1);
+}
+
+/// Whether from its inside nothing is seen of what lies on it.
+bool HasInside(const ClosureSlab& base) {
+    return base.isCovered || Has(base.layered, HDS_INPUT_TRANSMISSION);
+}
+
 /// Both, of which each hit takes one: what is chosen below gets what is left there by what lies on
 /// it (HDS_INPUT_COVER).
 ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base) {
@@ -333,8 +343,8 @@ ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base) {
         return {top};
     }
     ShaderValue part = CoverShare(top.layered);
-    if (Has(base.layered, HDS_INPUT_TRANSMISSION)) {
-        base.isCovered = MakeMath(HDS_MATH_GREATER, {ViewCosine(), Zero()}, 1);
+    if (HasInside(base)) {
+        base.isCovered = IsSeenFromOutside();
         part = Multiply(part, base.isCovered, 1);
     }
     const ShaderValue rest = OneMinus(part, 1);
@@ -349,6 +359,31 @@ ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base) {
     base.scale = Divide(Multiply(base.scale, scale, 1), rest, 1);
     top.isScaled = base.isScaled = top.hasBase = true;
     return {top, base};
+}
+
+/// Whether what lies below is met too: LayerOne takes it into account.
+bool LetsThrough(const LayeredMaterial& top) {
+    return IsNothing(top) || IsSeeThrough(top) || IsSchlickMetal(top) ||
+           (!IsMetal(top) && Has(top, HDS_INPUT_METALLIC));
+}
+
+/// What lies on others of the top, which `below` shows through: on each of `below`, as from the
+/// inside of glass the glass alone is met.
+ClosureSlabs SpreadOver(const ClosureSlab& upper, const ClosureSlabs& below) {
+    if (std::none_of(below.begin(), below.end(), HasInside)) {
+        return {upper};
+    }
+    ClosureSlabs spread;
+    for (const ClosureSlab& lower : below) {
+        ClosureSlab copy = upper;
+        copy.share = Multiply(copy.share, lower.share, 1);
+        if (HasInside(lower)) {
+            copy.isCovered = IsSeenFromOutside();
+            copy.factor = Multiply(copy.factor, copy.isCovered, 3);
+        }
+        spread.push_back(std::move(copy));
+    }
+    return spread;
 }
 
 /// One slab on another.
@@ -374,6 +409,15 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base) {
     opaque.share = base.share;
     if (!IsMetal(top.layered) && Has(top.layered, HDS_INPUT_METALLIC)) {
         opaque.layered.values[HDS_INPUT_METALLIC] = One();
+        if (!top.covers.empty()) { // they lie on all of it, and on what is beside the metal
+            if (HasInside(base)) {
+                base.isCovered = IsSeenFromOutside();
+            }
+            base.covers.insert(base.covers.end(), top.covers.begin(), top.covers.end());
+            base.factor = Multiply(base.factor, top.scale, 3);
+            base.scale = Multiply(base.scale, top.scale, 1);
+            base.isScaled = true;
+        }
         return MixSlabs({base}, {opaque}, ValueOf(top.layered, HDS_INPUT_METALLIC));
     }
     return {opaque};
@@ -430,10 +474,14 @@ ClosureSlabs LayerSlabs(const ClosureSlabs& top, const ClosureSlabs& base) {
         return base;
     }
     const ClosureSlabs below = base.empty() ? ClosureSlabs{BlackSlab()} : base;
+    const bool isBaseMet = std::any_of(top.begin(), top.end(), [](const ClosureSlab& upper) {
+        return !upper.hasBase && LetsThrough(upper.layered);
+    });
     ClosureSlabs all;
     for (const ClosureSlab& upper : top) {
         if (upper.hasBase) { // others of `top` are below it, and so is the base
-            all.push_back(upper);
+            const ClosureSlabs spread = isBaseMet ? SpreadOver(upper, below) : ClosureSlabs{upper};
+            all.insert(all.end(), spread.begin(), spread.end());
             continue;
         }
         for (const ClosureSlab& lower : below) {

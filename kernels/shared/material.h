@@ -65,7 +65,7 @@ enum {
 #define HDS_SHEEN_MARK -8.0f
 
 /* What lies on a closure that a hit has chosen: so many are looked at (HDS_LOBE_COVERED). */
-#define HDS_MAX_COVERS 8
+#define HDS_MAX_COVERS 32
 
 /* Thin walls that are no rougher let light straight on: the default of the models and a little
  * more.

@@ -177,6 +177,30 @@ def test_layers_of_layers_are_layers(tmp_path, below):
     assert grouped == pytest.approx(flat, rel=0.01)
 
 
+def test_layers_of_layers_cover_what_is_beside_a_metal(tmp_path):
+    """Sheen on half a metal, on diffuse: the sheen covers both halves."""
+    half = ("conductor", dict(METAL[1], weight=0.5))
+
+    def Grouped(stage):
+        return stage.Node("layer_bsdf", top=stage.Stack(SHEEN, half), base=stage.Stack(DIFFUSE))
+    grouped, flat = (_Color(tmp_path, make, _Sun(-10), 4096, degrees=30) for make in (Grouped, _Stack(SHEEN, half, DIFFUSE)))
+    assert grouped == pytest.approx(flat, rel=0.01)
+
+
+@pytest.mark.parametrize("mode", ["T", "RT"])
+def test_layers_of_layers_on_glass_are_not_met_from_inside(tmp_path, mode):
+    """A ball of glass below two tinted reflections in a furnace: as grouped either way, and never brighter than it."""
+    tops = [("dielectric", dict(roughness=(0.25, 0.25), ior=ior, tint=TINT)) for ior in (1.8, 2.4)]
+    glass = ("dielectric", dict(ior=1.5, scatter_mode=mode, **SMOOTH))
+
+    def Grouped(stage):
+        return stage.Node("layer_bsdf", top=stage.Stack(*tops), base=stage.Stack(glass))
+    grouped, flat = (_Render(tmp_path, make, DOME, 1024, 16, shape=shapes.Sphere(1.0, 48, 96), maxDepth=24).mean((0, 1))
+                     for make in (Grouped, _Stack(*tops, glass)))
+    assert grouped.max() <= 1.001
+    assert grouped == pytest.approx(flat, rel=0.01)
+
+
 def test_many_closures_are_mixed(tmp_path):
     """Twelve that no layered surface has side by side."""
     def Part(index):
