@@ -220,7 +220,7 @@ TEST_F(PrimMoves, WhatDoesNotGoThisWayIsCommitted) {
         {"the centre",
          [&] {
              for (int i = 0; i < 60; ++i) {
-                 scene.geometry[Path(i)].placement.worldFromObject = Move(1e6, 3.0 * i, 0.0);
+                 scene.geometry[Path(i)].placement.worldFromObject = Move(2e4, 3.0 * i, 0.0);
              }
              scene.geometry[Path(20)].placement.worldFromObject = Move(3.0, 0.0, 3.0);
              scene.instancers.begin()->second.placement.visible = false;
