@@ -496,14 +496,11 @@ void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material) {
     if (!AreSame(normal, material->values[HDS_INPUT_NORMAL])) {
         const ShaderValue smooth = MakeConstant({0.0F, 0.0F, 1.0F, 1.0F}, 3);
         const ShaderValue own = normal ? normal : smooth;
-        if (own.expression->kind == ShaderExpression::Kind::Texture) { // a map is never 0
-            material->values[HDS_INPUT_COAT_NORMAL] = own;
-            return;
-        }
+        const bool isMap = own.expression->kind == ShaderExpression::Kind::Texture; // never 0
         const ShaderValue squared = MakeMath(HDS_MATH_DOT, {own, own}, 1);
         const ShaderValue isOne = MakeMath(HDS_MATH_GREATER, {squared, MakeScalar(0.0F)}, 1);
         material->values[HDS_INPUT_COAT_NORMAL] =
-            MakeMath(HDS_MATH_SELECT, {isOne, own, smooth}, 3);
+            isMap ? own : MakeMath(HDS_MATH_SELECT, {isOne, own, smooth}, 3);
     }
 }
 
