@@ -96,10 +96,21 @@ Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, c
 
 void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     cl_int code = CL_SUCCESS;
-    if (allocationsLeft >= 0 && allocationsLeft-- == 0) {
+    // Drivers of GPUs promise more than there is, and take memory at the first use, which is here.
+    const bool isTooLarge = _bytes > _device->Properties().memoryBytes;
+    if (isTooLarge || (allocationsLeft >= 0 && allocationsLeft-- == 0)) {
         code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
     } else {
         _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
+    }
+    if (code == CL_SUCCESS && !_device->Properties().isCpu) {
+        const auto memory = static_cast<cl_mem>(_memory);
+        code = clEnqueueMigrateMemObjects(_device->GetHandles().queue, 1, &memory,
+                                          CL_MIGRATE_MEM_OBJECT_CONTENT_UNDEFINED, 0, nullptr,
+                                          nullptr);
+        if (code != CL_SUCCESS) {
+            clReleaseMemObject(memory);
+        }
     }
     if (code != CL_SUCCESS) {
         _memory = nullptr;
@@ -217,15 +228,28 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
         begin = std::min(begin, copy.offset);
         end = std::max(end, copy.offset + copy.bytes);
     }
-    if (_shared != nullptr || !_device->Properties().isCpu) {
+    if (_shared != nullptr) {
         for (const BufferCopy& copy : copies) {
             Write(copy.data, copy.bytes, copy.offset);
         }
         return;
     }
+    cl_command_queue queue = _device->GetHandles().queue;
+    if (!_device->Properties().isCpu) { // to wait for each takes as long as to copy a page
+        for (const BufferCopy& copy : copies) {
+            if (copy.bytes > 0) {
+                CheckOpenCl(clEnqueueWriteBuffer(queue, static_cast<cl_mem>(_memory), CL_FALSE,
+                                                 copy.offset, copy.bytes, copy.data, 0, nullptr,
+                                                 nullptr),
+                            "writing " + _label);
+            }
+        }
+        _device->_isIdle = false;
+        _device->Finish();
+        return;
+    }
     // What is between the pieces keeps its contents: the map is for reading too. It costs nothing
     // where the device's memory is the host's.
-    cl_command_queue queue = _device->GetHandles().queue;
     cl_int code = CL_SUCCESS;
     auto* target = static_cast<std::uint8_t*>(
         clEnqueueMapBuffer(queue, static_cast<cl_mem>(_memory), CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,

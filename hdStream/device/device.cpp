@@ -130,6 +130,10 @@ std::vector<FoundDevice> FindDevices() {
                 (DeviceValue<cl_device_svm_capabilities>(device, CL_DEVICE_SVM_CAPABILITIES) &
                  CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
             properties.hasSlowBinaries = properties.platform == kPoclPlatform;
+            properties.roundsWhenAsked =
+                !properties.isCpu &&
+                (DeviceValue<cl_device_fp_config>(device, CL_DEVICE_SINGLE_FP_CONFIG) &
+                 CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
             found.push_back({platform, device, properties});
         }
     }

@@ -29,6 +29,8 @@ struct DeviceProperties {
     /// To hand out a binary the driver compiles each kernel once more, for work-groups of any size
     /// (PoCL): binaries are asked for when there is time.
     bool hasSlowBinaries = false;
+    /// Division and square roots are rounded to the nearest only when a program asks for it (GPUs).
+    bool roundsWhenAsked = false;
 };
 
 /// All devices of all platforms, in our order (deviceOrder.h). Never throws.

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <set>
 #include <string_view>
 
@@ -178,6 +179,25 @@ private:
     std::string _wideBlockOf; ///< the file whose wide block is being read; empty: none is
 };
 
+/// Our file and line ("math/trig.clh:12") of a line of the whole text, which is counted from 1.
+std::string KernelLine(std::string_view text, std::size_t number) {
+    std::string_view file = "<kernel>";
+    std::size_t line = 0;
+    for (std::size_t at = 0, begin = 0; at < number && begin < text.size(); ++at) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        const std::string_view directive = Directive(text.substr(begin, end - begin));
+        const std::size_t open = directive.find('"');
+        if (BeginsWith(directive, "line ") && open != std::string_view::npos) {
+            file = directive.substr(open + 1, directive.size() - open - 2);
+            line = std::stoul(std::string(directive.substr(5))) - 1; // of the line before
+        } else {
+            ++line;
+        }
+        begin = end + 1;
+    }
+    return std::string(file) + ":" + std::to_string(line);
+}
+
 } // namespace
 
 std::string ExpandKernelSource(const std::string& root, const std::string* text) {
@@ -187,6 +207,19 @@ std::string ExpandKernelSource(const std::string& root, const std::string* text)
     Expander(&source).Expand(
         root, text != nullptr ? *text : ReadKernelFile(root, "the program", &read), &seen);
     return source;
+}
+
+std::string NameKernelLines(const std::string& log, const std::string& text) {
+    static const std::regex kLineOfAll("<kernel>:([0-9]{1,9})");
+    std::string named;
+    auto copied = log.cbegin();
+    for (std::sregex_iterator found(log.begin(), log.end(), kLineOfAll), end; found != end;
+         ++found) {
+        named.append(copied, (*found)[0].first);
+        named += KernelLine(text, std::stoul((*found)[1]));
+        copied = (*found)[0].second;
+    }
+    return named.append(copied, log.cend());
 }
 
 bool AreKernelsEmbedded() {

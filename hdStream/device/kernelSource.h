@@ -13,6 +13,11 @@ namespace hds {
 /// given. \throws Error that names the including file when an include does not exist.
 std::string ExpandKernelSource(const std::string& root, const std::string* text = nullptr);
 
+/// A compiler's messages, where lines of the whole text ("<kernel>:18260:15", as drivers say that
+/// do not heed #line) are named by our files instead ("math/wideEnd.clh:7:15").
+/// \param text as of ExpandKernelSource.
+std::string NameKernelLines(const std::string& log, const std::string& text);
+
 /// Sources cannot change while the process runs.
 bool AreKernelsEmbedded();
 

@@ -2,6 +2,7 @@
 #include "hdStream/device/program.h"
 
 #include "hdStream/device/kernelCompilers.h"
+#include "hdStream/device/kernelSource.h"
 #include "hdStream/device/openclHandles.h"
 
 #include <algorithm>
@@ -121,7 +122,8 @@ void Program::BuildFromSource(const ProgramSource& source) {
     CheckOpenCl(code, "creating program " + _root);
     code = clBuildProgram(program, 1, &handles.device, source.options.c_str(), nullptr, nullptr);
     if (code != CL_SUCCESS) {
-        const std::string log = BuildLog(program, handles.device);
+        const std::string log =
+            NameKernelLines(BuildLog(program, handles.device), *source.text);
         clReleaseProgram(program);
         throw Error("building " + _root + " for " + _device->Properties().name + " with " +
                     source.options + ": " + OpenClErrorName(code) + "\n" + log);

@@ -84,8 +84,12 @@ std::shared_ptr<const ProgramText> TextOf(const std::string& root) {
 }
 
 /// Only what the text names: scenes that differ in other features share the binary.
-std::string OptionsOf(const ProgramDefines& said, const std::set<std::string_view>& macros) {
+std::string OptionsOf(const DeviceProperties& device, const ProgramDefines& said,
+                      const std::set<std::string_view>& macros) {
     std::string options = "-cl-std=CL1.2";
+    if (device.roundsWhenAsked) {
+        options += " -cl-fp32-correctly-rounded-divide-sqrt";
+    }
     for (const auto& [name, value] : Complete(said)) {
         if (macros.count(name) > 0) {
             options.append(" -D").append(name).append("=").append(value);
@@ -113,7 +117,7 @@ ProgramSource MakeProgramSource(const DeviceProperties& device, const std::strin
     source.root = root;
     const auto made = text != nullptr ? MakeText(root, text) : TextOf(root);
     source.text = {made, &made->text};
-    source.options = OptionsOf(defines, made->macros);
+    source.options = OptionsOf(device, defines, made->macros);
     source.key = BinaryKey(device, made->hash, source.options);
     return source;
 }

@@ -11,6 +11,11 @@ namespace {
 
 /// Paths in flight when the user does not say. Measured: docs/performance.md, "Rays a second".
 constexpr std::uint32_t kMaxWaveSize = 1U << 20U;
+/// GPUs: a launch of a bounce that few paths reach takes as long as one of many, so waves are as
+/// large as a part of memory allows (docs/device.md, "On a GPU").
+constexpr std::uint32_t kMaxWaveSizeGpu = 1U << 24U;
+constexpr std::uint64_t kStatePartOfGpu = 32;
+constexpr std::uint64_t kPathBytes = 256; ///< about
 /// CPUs, for each core. What a launch waits for its last core and for the next launch costs some
 /// hundred paths, so waves are as large as memory (200 bytes a path) is cheap; tiles are what is
 /// traced together while nothing waits, and the wave of interactive hosts.
@@ -88,7 +93,12 @@ std::uint32_t StreamedWavePaths(const RenderOptions& options, std::uint32_t numS
 }
 
 std::uint32_t ResidentWaveSize(const DeviceProperties& properties) {
-    return properties.isCpu ? OfCores(properties, kPathsPerCore) : kMaxWaveSize;
+    if (properties.isCpu) {
+        return OfCores(properties, kPathsPerCore);
+    }
+    return static_cast<std::uint32_t>(
+        std::clamp<std::uint64_t>(properties.memoryBytes / kStatePartOfGpu / kPathBytes,
+                                  kMaxWaveSize, kMaxWaveSizeGpu));
 }
 
 std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties& properties,
@@ -98,7 +108,8 @@ std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties
 }
 
 std::uint32_t TileSize(const DeviceProperties& properties) {
-    return properties.isCpu ? OfCores(properties, kTilePathsPerCore) : kMaxWaveSize;
+    return properties.isCpu ? OfCores(properties, kTilePathsPerCore)
+                            : ResidentWaveSize(properties);
 }
 
 } // namespace hds

@@ -42,6 +42,8 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--aovs", "lightGroup:"], "lightGroup:"),
     (["record", "a.usda", "b.exr", "--frames", "1", "--defaultTime"], "--defaultTime"),
     (["record", "a.usda", "b\udcff.exr"], "'b\\udcff.exr'"),
+    (["record", "a.usda", "--samples", "1", "b.gif"], "cannot write 'b.gif'"),
+    (["record", "a.usda", "--samples", "1", "b.exr", "c.exr"], "hdstream record: unrecognized arguments: b.exr c.exr"),
     (["record", "a.usda", "b.exr", "--cam", "x"], "hdstream record: unrecognized arguments: --cam x; did you mean --camera?"),
     (["record", "a.usda", "b.exr", "--width", "64", "--sample=8"], "--width 64 --sample=8; did you mean --imageWidth, --samples?"),
     (["info", "a.usda", "--jso", "b"], "hdstream info: unrecognized arguments: --jso b; did you mean --json?"),

@@ -27,6 +27,13 @@ void DeviceFixture::SetUp() {
     }
 }
 
+void CpuDeviceFixture::SetUp() {
+    DeviceFixture::SetUp();
+    if (device && !device->Properties().isCpu) {
+        GTEST_SKIP() << "of CPUs alone";
+    }
+}
+
 std::unique_ptr<Program> DeviceFixture::Build(const std::string& text,
                                               const ProgramDefines& defines) {
     return std::make_unique<Program>(device, "test.cl", defines, nullptr, &text);

@@ -44,4 +44,10 @@ protected:
     std::shared_ptr<Device> device;
 };
 
+/// For what only CPUs run: forms of kernels, memory that is the host's. Others skip.
+class CpuDeviceFixture : public DeviceFixture {
+protected:
+    void SetUp() override;
+};
+
 } // namespace hds::test

@@ -28,6 +28,9 @@ class _Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args=None, namespace=None):
         known, unknown = super().parse_known_args(args, namespace)
+        # argparse takes an operand that may be missing as missing when options come before it.
+        if len(unknown) == 1 and not unknown[0].startswith("-") and getattr(known, "output", "") is None:
+            known.output = unknown.pop()
         if unknown:
             self.error("unrecognized arguments: " + " ".join(unknown) + self._Meant(unknown))
         return known, unknown

@@ -151,6 +151,9 @@ TEST_F(Motion, BoxesOfInstancesHoldAllPoses) {
 // What rests is flattened, and what moves stays an instance: moving placements, and groups that
 // move or hold what moves.
 TEST_F(Motion, TheFlatHierarchyWalksWhatMoves) {
+    if (!device->Properties().isCpu) {
+        GTEST_SKIP() << "of CPUs alone";
+    }
     AccelScene scene;
     const std::uint32_t sphere = scene.AddMesh(BumpySphere(12), 100);
     const std::uint32_t box = scene.AddMesh(Box(0.7F));

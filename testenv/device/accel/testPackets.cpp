@@ -39,7 +39,7 @@ std::vector<ProbeRay> Bunches(std::size_t count) {
     return rays;
 }
 
-class PacketTest : public DeviceFixture {
+class PacketTest : public CpuDeviceFixture {
 protected:
     const ProgramDefines defines = {{"HDS_ITEMS_PER_WORK_ITEM", "8"}};
 

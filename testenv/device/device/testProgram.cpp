@@ -86,6 +86,22 @@ TEST(KernelSource, AMissingIncludeNamesBothFiles) {
     }
 }
 
+TEST(KernelSource, LinesOfTheWholeTextAreNamedByFile) {
+    const std::string text = "int a;\n#include \"math/vector.clh\"\nint b;\n";
+    const std::string source = ExpandKernelSource("test.cl", &text);
+    const auto lineOf = [&](const std::string& part) {
+        return 1 + std::count(source.begin(), source.begin() + source.find(part), '\n');
+    };
+    const std::string inside = std::to_string(lineOf(kVectorLine));
+    const std::string after = std::to_string(lineOf("int b;"));
+    const std::string named = NameKernelLines(
+        "<kernel>:" + inside + ":9: error: x\n<kernel>:" + after + ":5: note: y\n", source);
+    EXPECT_EQ(named.find("math/vector.clh:"), 0U) << named;
+    EXPECT_NE(named.find(":9: error: x\ntest.cl:3:5: note: y\n"), std::string::npos) << named;
+    EXPECT_EQ(NameKernelLines("<kernel>:999999:1: z", "int a;\n"), "<kernel>:1:1: z");
+    EXPECT_EQ(NameKernelLines("test.cl:3: as it is", source), "test.cl:3: as it is");
+}
+
 TEST_F(ProgramTest, CompilerErrorsNameOurFileAndLine) {
     try {
         Build("#include \"math/vector.clh\"\nkernel void k(global int* x) {\n    x[0] = "

@@ -192,15 +192,8 @@ public:
     }
 };
 
-class LanesFixture : public DeviceFixture {
+class LanesFixture : public CpuDeviceFixture {
 protected:
-    void SetUp() override {
-        DeviceFixture::SetUp();
-        if (device && !device->Properties().isCpu) {
-            GTEST_SKIP() << "the form of 8 paths is for CPUs";
-        }
-    }
-
     /// \param root the program whose wide block is compiled before the text. \param header with the
     /// same headers for one path. \param text in both forms. \param kernels HDS_TEST_* lines.
     std::unique_ptr<Program> BuildForms(const std::string& root, const std::string& header,

@@ -20,12 +20,9 @@ kernel void probe_read(global const uint* pool, global const uint* words, uint c
 }
 )";
 
-class MappedPoolTest : public DeviceFixture {};
+class MappedPoolTest : public CpuDeviceFixture {};
 
 TEST_F(MappedPoolTest, KernelsReadPagesInPlace) {
-    if (!device->Properties().isCpu) {
-        GTEST_SKIP() << "needs a CPU device";
-    }
     const auto ids = Range(0, 300);
     FakePages pages(ids);
     pages.MapPages();

@@ -77,10 +77,22 @@ TEST(WaveSize, AreAsSetOrNoLargerThanTheImage) {
 }
 
 TEST(WaveSize, TakeWhatThePoolSavesOnGpus) {
-    const DeviceProperties gpu;
+    DeviceProperties gpu;
+    gpu.memoryBytes = std::uint64_t{4} << 30U;
     EXPECT_EQ(ChooseWaveSize(Options(), gpu, 0), 1U << 20U);
     EXPECT_EQ(ChooseWaveSize(Options(), gpu, 1), 1U << 17U);
     EXPECT_EQ(ChooseWaveSize(Options(), gpu, 300000), 300000);
+}
+
+TEST(WaveSize, GrowWithTheMemoryOfGpusWithinBounds) {
+    DeviceProperties gpu;
+    EXPECT_EQ(ResidentWaveSize(gpu), 1U << 20U) << "the driver does not say";
+    gpu.memoryBytes = std::uint64_t{16} << 30U;
+    EXPECT_EQ(ResidentWaveSize(gpu), 2097152U);
+    EXPECT_LE(ResidentWaveSize(gpu) * std::uint64_t{256}, gpu.memoryBytes / 32);
+    gpu.memoryBytes = std::uint64_t{140} << 30U;
+    EXPECT_EQ(ResidentWaveSize(gpu), 1U << 24U);
+    EXPECT_EQ(TileSize(gpu), 1U << 24U);
 }
 
 } // namespace
