@@ -43,7 +43,7 @@ struct FlatAmount {
     double maxCopies = 4.0;
     /// Of all that is placed at least so much is flattened, or nothing.
     double minShare = 0.5;
-    double manyTriangles = 1e6; ///< up to which maxCopies does not count
+    double manyTriangles = 1.5e6; ///< up to which maxCopies does not count
 };
 
 /// Flattens instances of the TLAS, those of objects that are placed least often first. Not

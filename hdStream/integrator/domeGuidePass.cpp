@@ -39,6 +39,7 @@ RenderOptions WholePicture(const RenderOptions& options, double numPixels, std::
     whole.pixelAspectRatio = options.pixelAspectRatio * aspect * height / width;
     whole.seed = options.seed ^ seed;
     whole.learns = true;
+    whole.russianRoulette = true; // counts are the same on average, for fewer rays
     return whole;
 }
 

@@ -142,7 +142,7 @@ void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                 HdsShadeLists* lists) {
     shadeHits_place(scene, hits, &batch->surfaces, &batch->materials);
     shadeHits_setSamplers(frame, hits, &batch->surfaces);
-    shadeHits_addLights(scene, hits);
+    shadeHits_addLights(frame, scene, hits);
     uint steps[HDS_LANES];
     bool isAny = false;
     for (uint lane = 0u; lane < hits->count; ++lane) {
@@ -167,7 +167,7 @@ void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene,
 /* The same of paths that have met nothing, or that end at what they have hit. */
 void shade_ends(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHits* ends,
                 HdsPaths paths, volatile global uint* counters, HdsShadeLists* lists) {
-    shadeHits_addLights(scene, ends);
+    shadeHits_addLights(frame, scene, ends);
     for (uint lane = 0u; lane < ends->count; ++lane) {
         HdsShadeHit* at = &ends->at[lane];
         HdsShadePath* path = &ends->path[lane];
@@ -191,7 +191,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     if (at->isHit) {
         shadeHits_place(scene, hits);
     }
-    shadeHits_addLights(scene, hits);
+    shadeHits_addLights(frame, scene, hits);
     hits->count = 0u;
     if (shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
         return;

@@ -2,6 +2,7 @@
 // Eight rays that walk the flat hierarchy together find what each of them finds alone, to the bit.
 #include "testenv/device/accel/mixedScene.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hds::test {
@@ -101,6 +102,32 @@ TEST_F(PacketTest, LeavesWhatGoesApartOrNowhere) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         EXPECT_EQ(hits[i].triangle == kApart, i >= kLanes);
     }
+}
+
+TEST_F(PacketTest, GivesUpWhereRaysShareLittle) {
+    AccelScene dense;
+    const std::uint32_t foliage = dense.AddMesh(Foliage(20000, 5));
+    dense.SetRoot({{foliage, glm::dmat4(1.0), HDS_INSTANCE_SEEN}});
+    const DeviceAccelScene scene(device, dense);
+    const TraversalProbe probe(device, AccelForm::Flat, defines);
+    const auto partTogether = [&](float spread) {
+        UniformSource uniform(3);
+        std::vector<ProbeRay> rays;
+        for (std::size_t packet = 0; packet < 100; ++packet) {
+            const glm::vec3 eye(6.0F, 5.0F, 4.0F);
+            const glm::vec3 target = 0.5F * uniform.Vector();
+            for (std::size_t k = 0; k < kLanes; ++k) {
+                rays.push_back(MakeProbeRay(eye, target + spread * uniform.Vector() - eye));
+            }
+        }
+        const Hits hits = probe.Packets(scene, rays);
+        return static_cast<double>(
+                   std::count_if(hits.begin(), hits.end(),
+                                 [](const auto& hit) { return hit.triangle != kApart; })) /
+               static_cast<double>(hits.size());
+    };
+    EXPECT_GT(partTogether(1e-3F), 0.95);
+    EXPECT_LT(partTogether(0.7F), 0.05) << "the directions of each have equal signs";
 }
 
 } // namespace
