@@ -5,6 +5,7 @@
 #include "hdStream/accel/collapseCost.h"
 #include "hdStream/accel/flatPlaces.h"
 #include "hdStream/accel/leafSlots.h"
+#include "hdStream/accel/objectNumber.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -95,7 +96,8 @@ public:
 private:
     void ListUnits() {
         for (std::uint32_t place = 0; place < _places.places.size(); ++place) {
-            const shared::HdsObject& object = (*_source.objects)[_places.placements[place].object];
+            const shared::HdsObject object =
+                ObjectOf(*_source.objects, _places.placements[place].object);
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint32_t chunk = object.itemBase + i;
                 const std::uint8_t* page = _source.page(chunk);

@@ -2,6 +2,7 @@
 #include "hdStream/accel/flatPlaces.h"
 
 #include "hdStream/accel/leafSlots.h"
+#include "hdStream/accel/objectNumber.h"
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
@@ -159,11 +160,12 @@ private:
         for (std::uint32_t i = 0; i < root.numItems; ++i) {
             const std::uint32_t record = root.itemBase + i;
             const std::uint32_t index = _source.instances[record].object;
-            if (_objects[index].kind != HDS_OBJECT_INSTANCES) {
+            const shared::HdsObject object = ObjectOf(_objects, index);
+            if (object.kind != HDS_OBJECT_INSTANCES) {
                 byObject[index].push_back(record);
                 continue;
             }
-            const std::uint32_t chunk = _objects[index].itemBase;
+            const std::uint32_t chunk = object.itemBase;
             const ChunkRecords held(_source.page(chunk));
             const auto isSingle = [](const shared::HdsInstance& one) {
                 return one.instanceCount == 0;
@@ -197,7 +199,7 @@ private:
         if (found != _traits.end()) {
             return found->second;
         }
-        const shared::HdsObject& object = _objects[index];
+        const shared::HdsObject object = ObjectOf(_objects, index);
         ObjectTraits traits;
         if ((object.kind & HDS_OBJECT_KIND) == HDS_OBJECT_GROUP) {
             traits.isFlat = object.numItems <= kMaxInstances;
@@ -242,7 +244,7 @@ private:
 
     bool Descend(std::uint32_t record, Way way) {
         const shared::HdsInstance& instance = RecordOf(record);
-        const shared::HdsObject& object = _objects[instance.object];
+        const shared::HdsObject object = ObjectOf(_objects, instance.object);
         if ((instance.flags & HDS_INSTANCE_MOVES) != 0) {
             return false;
         }
@@ -321,7 +323,7 @@ private:
                                                               int slot, std::uint32_t item,
                                                               std::uint32_t /*one*/) {
             const std::uint32_t record = root.itemBase + item;
-            const shared::HdsObject& object = _objects[_source.instances[record].object];
+            const shared::HdsObject object = ObjectOf(_objects, _source.instances[record].object);
             if (object.kind == HDS_OBJECT_INSTANCES &&
                 AddInstancesOfChunk(object.itemBase, isFlat)) {
                 return;

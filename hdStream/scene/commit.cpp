@@ -5,6 +5,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/mediaBounds.h"
+#include "hdStream/scene/pagedTables.h"
 #include "hdStream/scene/primCommit.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
@@ -40,6 +41,9 @@ public:
         AddMaterials();
         AddVolumes();
         AddMeshMedia();
+        if (_result->hasInstanceChunks) {
+            *_pagedTables = TakeFromTables(_result.get());
+        }
         _result->textures = _cache.images.Uses();
         Count();
         return std::move(_result);
@@ -115,8 +119,10 @@ private:
     void AddInstanceChunks(const std::vector<std::shared_ptr<const InstanceChunks>>& instances) {
         std::vector<std::shared_ptr<ChunkPages>> chunks;
         for (const std::shared_ptr<const InstanceChunks>& ofGroup : instances) {
+            const auto maker =
+                std::make_shared<PagedInstances>(ofGroup, _pagedTables, _result->prims.size());
             for (std::uint32_t chunk = 0; chunk < ofGroup->NumChunks(); ++chunk) {
-                chunks.push_back(std::make_shared<ChunkPages>(ofGroup, chunk));
+                chunks.push_back(std::make_shared<ChunkPages>(maker, chunk));
             }
         }
         for (std::size_t i = 1; i < _result->objects.size(); ++i) { // of geometry, so far
@@ -255,6 +261,7 @@ private:
     LightLinks _links;
     std::vector<DrawnLeaf> _leaves; ///< in the order of paths
     std::vector<WorldInstance> _worldInstances;
+    std::shared_ptr<PagedTables> _pagedTables = std::make_shared<PagedTables>(); ///< filled last
 };
 
 /// \param first slot of the list.

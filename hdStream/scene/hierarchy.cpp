@@ -40,6 +40,9 @@ struct Member {
 struct Prototype {
     SharedSpan<std::int32_t> instances;
     std::vector<Member> members;
+    /// Of the instances those that are there; others, or what another member has, are negative.
+    /// Counted once: choosing what lies in chunks asks again whenever a group is refused.
+    std::uint64_t numPlaced = 0;
 
     /// Nothing: it is a group.
     const Member* OnlyLeaf() const {
@@ -145,10 +148,7 @@ private:
                 continue;
             }
             for (const Prototype& prototype : prototypes->second) {
-                // Instances that another member has, or that are not there, are negative.
-                numOwn += static_cast<std::uint64_t>(
-                    std::count_if(prototype.instances.begin(), prototype.instances.end(),
-                                  [](std::int32_t index) { return index >= 0; }));
+                numOwn += prototype.numPlaced;
                 if (prototype.OnlyLeaf() == nullptr) {
                     numBelow += ChooseChunked(&prototype, prototype.Instancers());
                 }
@@ -243,7 +243,12 @@ private:
                 return;
             }
         }
-        prototypes.push_back({instances, {std::move(member)}});
+        const bool isCounted = _chunking.leastInstances > 0;
+        const auto numPlaced = static_cast<std::uint64_t>(
+            isCounted ? std::count_if(instances.begin(), instances.end(),
+                                      [](std::int32_t index) { return index >= 0; })
+                      : 0);
+        prototypes.push_back({instances, {std::move(member)}, numPlaced});
     }
 
     /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.

@@ -187,7 +187,7 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store1(pixel, offsets.facingRatio, fabs(vec_dot(vec_normalize(normal), viewer)));
     aov_store3(pixel, offsets.albedo, albedo);
     aov_store1(pixel, offsets.volumeDepth, INFINITY);
-    aov_storeId(ids, offsets.primId, scene->prims[surface->prim].primId);
+    aov_storeId(ids, offsets.primId, surfaceHit_prim(scene, surface)->primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(
         ids, offsets.elementId,

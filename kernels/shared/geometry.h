@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Device tables of geometry: instances, objects, prims, and the layout of a chunk's two pages.
- * Always resident: top nodes, instances, objects, prims. In pools: pages.
+ * Always resident: top nodes, instances, objects, prims (shared/instanceChunk.h). In pools: pages.
  * Explained in docs/architecture.md and docs/accel.md. */
 #ifndef HDS_SHARED_GEOMETRY_H
 #define HDS_SHARED_GEOMETRY_H
@@ -72,13 +72,13 @@ HDS_SHARED_BEGIN
 typedef struct {
     f32 objectFromParent[12]; /* 3 rows of 4, row major; the map outwards is its inverse
                                  (math/inverse.clh) */
-    u32 object;               /* index into objects */
+    u32 object;               /* index into objects (but shared/instanceChunk.h) */
     u32 flags;
     u32 pathOffset[2]; /* low, high: number of leaf instances before this one inside the group,
                           counted in scene-path order; sums along a path give the path index */
     u32 prim;          /* index into prims for a leaf, HDS_NONE for a group */
     u32 lightBase;     /* first of its material entries in lightByEntry (emissive meshes, which
-                          have records in the TLAS only), or HDS_NONE */
+                          have records in the table of the TLAS only), or HDS_NONE */
     u32 instanceCount; /* placements of the same prototype by its instancer; 0: none places it */
     u32 instanceRank;  /* which of them this is; both fold along a path into instanceId */
 } HdsInstance;

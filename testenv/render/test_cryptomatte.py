@@ -153,3 +153,15 @@ def test_renders_go_on_from_sums(stage, image):
     again = renderer.RenderPrepared(None, [sums])
     for name, pixels in again.aovs.items():
         assert pixels.tobytes() == image.aovs[name].tobytes(), name
+
+
+def test_of_instances_in_chunks(tmp_path):
+    """What is said of prims lies in pages then, the largest ones apart, and both have other numbers."""
+    stage = WriteMatteStage(tmp_path / "still.usda", ("Card", "Many", "Wall"))
+    aovs = ("color", "primId", "primvars:displayColor") + ALL
+    tables, chunks = (RenderMattes(stage, aovs, instanceChunks=least) for least in (0, 1))
+    assert chunks.statistics["geometry"]["chunks"] == tables.statistics["geometry"]["chunks"] + 1
+    assert chunks.headers == tables.headers and len(chunks.headers) > 2
+    for name, pixels in tables.aovs.items():
+        assert pixels.tobytes() == chunks.aovs[name].tobytes(), name
+    assert len(np.unique(tables.aovs["primId"])) == 4

@@ -33,7 +33,10 @@ def ColorSpaceOfColor(attribute):
     """As ColorSpaceOf; what is no colour by its type has only a space of its own."""
     if attribute.HasColorSpace():
         return _Defined(attribute.GetPrim(), attribute.GetColorSpace())
-    return ColorSpaceOf(attribute) if attribute.GetRoleName() == "Color" else ""
+    if attribute.GetRoleName() != "Color":
+        return ""
+    prim = attribute.GetPrim()
+    return _Defined(prim, _OfPrim(prim))
 
 
 def _Defined(prim, name):

@@ -64,9 +64,8 @@ def FloatRows(value, attribute):
     return np.ascontiguousarray(rows, np.float32)
 
 
-def _IsPrimvar(name):
-    return (name.startswith(PREFIX) and not name.endswith(_INDICES)
-            and not name.startswith(_SKIPPED))
+def _PrimvarsAmong(names):
+    return [name for name in names if name.startswith(PREFIX) and not name.endswith(_INDICES) and not name.startswith(_SKIPPED)]
 
 
 def ReadPrimvar(prim, name, names, timeCode):
@@ -117,9 +116,7 @@ def _Indices(attribute, timeCode, isKept):
 def InheritFrom(prim, names, inherited, timeCode):
     """The primvars that children of `prim` inherit; `inherited` itself when nothing changes."""
     result = inherited
-    for name in names:
-        if not _IsPrimvar(name):
-            continue
+    for name in _PrimvarsAmong(names):
         primvar = ReadPrimvar(prim, name, names, timeCode)
         if primvar is None:
             continue
@@ -156,12 +153,11 @@ def PrimvarsOf(prim, names, inherited, timeCode):
     """All primvars of a gprim, its own first, with `normals` as the primvar of that name."""
     primvars = []
     own = set()
-    for name in names:
-        if _IsPrimvar(name):
-            primvar = ReadPrimvar(prim, name, names, timeCode)
-            if primvar is not None:
-                own.add(name[len(PREFIX):])
-                primvars.append(primvar)
+    for name in _PrimvarsAmong(names):
+        primvar = ReadPrimvar(prim, name, names, timeCode)
+        if primvar is not None:
+            own.add(name[len(PREFIX):])
+            primvars.append(primvar)
     # UsdGeomPointBased: primvars:normals has precedence over the attribute.
     if "normals" in names and "normals" not in own:
         normals = _ReadNormals(prim, timeCode)

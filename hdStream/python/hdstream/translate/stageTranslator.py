@@ -49,6 +49,14 @@ class _TypeInfo:
         self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars
 
 
+def _HasBindings(names):
+    """Whether a prim has bindings of materials of its own; asked of each, so no generator."""
+    for name in names:
+        if name.startswith(_BINDING):
+            return True
+    return False
+
+
 class StageTranslator:
     """Translates one stage at one time code, and while a shutter is open around it, into a session. Used once."""
 
@@ -188,7 +196,7 @@ class StageTranslator:
         own = self._InPass(prim, state, context)
         below = info.handler(prim, info.schema, names, own, context)
         below = state if below is own else below
-        if info.isLeaf and below is not None and any(name.startswith(_BINDING) for name in names):
+        if info.isLeaf and below is not None and _HasBindings(names):
             below = below.Copy()
             below.AddBindings(prim, names)
         return below
@@ -428,7 +436,7 @@ class StageTranslator:
         return state if children else None
 
     def _AddToBatch(self, path, prim, names, geometryPrim, subsetPrims, state):
-        hasOwn = state.hasCollections or any(name.startswith(_BINDING) for name in names)
+        hasOwn = state.hasCollections or _HasBindings(names)
         for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
             self._batch.Add(splitPath, prim, splitPrim, subsetPrims, None if hasOwn else state.bindings)
 
