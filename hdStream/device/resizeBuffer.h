@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buffers that are kept from one render to the next. Explained in docs/device.md.
+// Buffers that are kept from one render to the next.
 #pragma once
 
 #include "hdStream/device/device.h"

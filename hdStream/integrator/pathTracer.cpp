@@ -139,12 +139,6 @@ struct PathTracer::Impl {
         }
     }
 
-    /// \param list that waves take their pixels from.
-    void UsePixels(PixelList list) {
-        pixels = &pixelLists.Get(schedule, list);
-        presentList = list;
-    }
-
     WaveTracer::Generate GenerateSamples(const shared::HdsWave& wave) {
         return [this, wave](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                             std::uint32_t queueFirst) {
@@ -284,7 +278,8 @@ struct PathTracer::Impl {
 
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
-        UsePixels(pass.list);
+        pixels = &pixelLists.Get(schedule, pass.list);
+        presentList = pass.list;
         std::uint32_t rendered = pass.begin;
         while (rendered < pass.end) {
             // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
@@ -564,7 +559,7 @@ bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& r
 }
 
 bool PathTracer::TakePlaces(const PlaceChanges& changes) {
-    _impl->sceneNumber += changes.arePages ? 1 : 0; // pools may have other buffers
+    _impl->sceneNumber += changes.arePages || changes.areLights ? 1 : 0; // in other buffers
     return _impl->buffers.TakePlaces(*_impl->scene, changes, _impl->residency);
 }
 

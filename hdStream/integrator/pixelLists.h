@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lists of pixels that waves take theirs from, on the device. Explained in docs/wavefront.md.
+// The lists of pixels that waves take theirs from, on the device. Explained in docs/session.md.
 #pragma once
 
 #include "hdStream/device/device.h"
