@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/base/hugePages.h"
 #include "hdStream/device/openclHandles.h"
+#include "hdStream/device/resizeBuffer.h"
 
 #include <tbb/parallel_for.h>
 
@@ -283,6 +284,14 @@ void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offs
                                     &pattern, sizeof(pattern), offset, bytes, 0, nullptr, nullptr),
                 "filling " + _label);
     _device->_isIdle = false;
+}
+
+void ResizeBuffer(const std::shared_ptr<Device>& device, const char* label, std::uint64_t bytes,
+                  Buffer* buffer) {
+    if (!buffer->IsValid() || buffer->Bytes() != std::max(bytes, kMinBytes)) {
+        *buffer = Buffer(); // frees first
+        *buffer = Buffer(device, label, bytes);
+    }
 }
 
 BufferView::BufferView(const Buffer& buffer) : _buffer(buffer) {

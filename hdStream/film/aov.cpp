@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace hds {
 
@@ -330,26 +331,24 @@ ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_
 
 ImageLayer EnlargePreview(const AovInfo& info, const ImageLayer& known, std::uint32_t width,
                           std::uint32_t height, std::uint32_t stride, PreviewFill fill) {
-    ImageLayer layer = MakeClearLayer(info, width, height);
+    // Each row is made once and written once: who edits waits for the first pictures.
+    ImageLayer layer = MakeClearLayer(info, fill == PreviewFill::Squares ? 0 : width, 1);
     const std::size_t channels = info.NumChannels();
     const auto enlarge = [&](const auto& from, auto* to) {
-        for (std::uint32_t y = 0; y < height; y += stride) {
-            const auto row = to->begin() + static_cast<std::ptrdiff_t>(y * channels * width);
-            const auto rowEnd = row + static_cast<std::ptrdiff_t>(channels * width);
-            auto target = row;
-            for (std::uint32_t x = 0; x < width; ++x) {
+        const auto clear = std::exchange(*to, {});
+        auto row = clear;
+        row.resize(width * channels);
+        to->reserve(row.size() * height);
+        for (std::uint32_t y = 0; y < height; ++y) {
+            const bool isKnown = y % stride == 0;
+            for (std::uint32_t x = 0; isKnown && x < width; ++x) {
                 const std::size_t at = std::size_t{y / stride} * known.width + x / stride;
-                const auto pixel = from.begin() + static_cast<std::ptrdiff_t>(at * channels);
                 if (fill == PreviewFill::Squares || x % stride == 0) {
-                    std::copy_n(pixel, channels, target);
+                    std::copy_n(from.data() + at * channels, channels, row.data() + x * channels);
                 }
-                target += static_cast<std::ptrdiff_t>(channels);
             }
-            const std::uint32_t last = std::min(y + stride, height);
-            for (std::uint32_t copy = y + 1; fill == PreviewFill::Squares && copy < last; ++copy) {
-                std::copy(row, rowEnd,
-                          to->begin() + static_cast<std::ptrdiff_t>(copy * channels * width));
-            }
+            const auto& source = isKnown || fill == PreviewFill::Squares ? row : clear;
+            to->insert(to->end(), source.begin(), source.end());
         }
     };
     if (info.isInteger) {
@@ -357,6 +356,8 @@ ImageLayer EnlargePreview(const AovInfo& info, const ImageLayer& known, std::uin
     } else {
         enlarge(known.values, &layer.values);
     }
+    layer.width = width;
+    layer.height = height;
     return layer;
 }
 

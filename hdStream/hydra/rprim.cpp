@@ -115,7 +115,7 @@ void HdStreamRprim<Base>::SyncCommonLook(HdSceneDelegate* delegate, HdStreamRend
 template <typename Base>
 void HdStreamRprim<Base>::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                                    HdDirtyBits bits) {
-    if (bits & HdChangeTracker::DirtyMaterialId) {
+    if ((bits & HdChangeTracker::DirtyMaterialId) && !_variants.IsInScene()) {
         HdStreamWarnOfNoLight(delegate, this->GetId(), _scenePath, param);
     }
 }

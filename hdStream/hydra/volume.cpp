@@ -96,6 +96,8 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
+    }
+    if (isFirst) {
         HdStreamWarnOfNoLight(delegate, id, _scenePath, param);
     }
     if (bits & HdChangeTracker::DirtyVolumeField) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/filmBuffers.h"
 
+#include "hdStream/device/resizeBuffer.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -11,14 +13,6 @@
 namespace hds {
 
 namespace {
-
-void Resize(const std::shared_ptr<Device>& device, const char* label, std::uint64_t bytes,
-            Buffer* buffer) {
-    if (!buffer->IsValid() || buffer->Bytes() != bytes) {
-        *buffer = Buffer(); // frees first
-        *buffer = Buffer(device, label, bytes);
-    }
-}
 
 std::uint32_t OffsetOf(const AovLayout& layout, const char* name) {
     const AovSlot* slot = layout.Find(name);
@@ -65,9 +59,9 @@ void FilmBuffers::Reset(const AovLayout& layout, const std::optional<DeepLimits>
     _height = height;
     _hasFirstHits = false;
     const std::uint64_t numPixels = std::uint64_t{width} * height;
-    Resize(_device, "film", numPixels * sizeof(shared::HdsFilmPixel), &_film);
-    _film.Fill(0, _film.Bytes());
-    Resize(_device, "AOV floats", numPixels * layout.floatsPerPixel * sizeof(float), &_floats);
+    ResizeBuffer(_device, "film", numPixels * sizeof(shared::HdsFilmPixel), &_film);
+    ResizeBuffer(_device, "AOV floats", numPixels * layout.floatsPerPixel * sizeof(float),
+                 &_floats);
     if (layout.hasMattes) {
         _mattes.Reset(width, height);
     }
@@ -75,16 +69,17 @@ void FilmBuffers::Reset(const AovLayout& layout, const std::optional<DeepLimits>
     if (deep) {
         _deep.emplace().Reset(width, height, *deep);
     }
-    Resize(_device, "light path sums", numPixels * NumSums() * sizeof(shared::HdsLightPathPixel),
-           &_lightPaths);
-    if (_lightPaths.Bytes() > 0) {
-        _lightPaths.Fill(0, _lightPaths.Bytes());
-    }
-    Resize(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t), &_ints);
+    ResizeBuffer(_device, "light path sums",
+                 numPixels * NumSums() * sizeof(shared::HdsLightPathPixel), &_lightPaths);
+    ResizeBuffer(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t),
+                 &_ints);
 }
 
 void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start) {
     const std::uint32_t numPixels = _width * _height;
+    if (!start.empty()) {
+        _lightPaths.Fill(0, _lightPaths.Bytes()); // the film is written
+    }
     for (std::size_t i = 0; i < start.size(); ++i) {
         const FilmSums& sums = start[i];
         if (sums.pixels.empty()) {
@@ -113,6 +108,26 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
             }
         }
     }
+}
+
+void FilmBuffers::ClearRest(const std::vector<std::uint32_t>& pixels, std::size_t first) {
+    if (first == pixels.size()) {
+        return;
+    }
+    const std::uint32_t numPixels = NumPixels();
+    std::vector<shared::HdsFilmPixel> film(numPixels);
+    std::vector<shared::HdsLightPathPixel> sums(std::size_t{numPixels} * NumSums());
+    _device->Finish();
+    _film.Read(film.data(), film.size() * sizeof(film[0]));
+    _lightPaths.Read(sums.data(), sums.size() * sizeof(sums[0]));
+    for (std::size_t i = first; i < pixels.size(); ++i) {
+        film[pixels[i]] = {};
+        for (std::uint32_t sum = 0; sum < NumSums(); ++sum) {
+            sums[std::size_t{sum} * numPixels + pixels[i]] = {};
+        }
+    }
+    _film.Write(film.data(), film.size() * sizeof(film[0]));
+    _lightPaths.Write(sums.data(), sums.size() * sizeof(sums[0]));
 }
 
 /// Adds the sums of the block that follows. \param block its film.

@@ -23,12 +23,17 @@ class FilmBuffers {
 public:
     explicit FilmBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {}
 
-    /// A black film of that size with buffers for the AOVs. Keeps memory of the same size.
+    /// A film of that size with buffers for the AOVs. Keeps memory of the same size, and what it
+    /// holds: waves take pixels that have no sample for black.
     void Reset(const AovLayout& layout, const std::optional<DeepLimits>& deep, std::uint32_t width,
                std::uint32_t height);
 
-    /// Puts sums (CheckFilmSums) into the film, which is black. Blocks.
+    /// Puts sums (CheckFilmSums), if there are any, into the film. Blocks.
     void Load(StageKernels* kernels, const std::vector<FilmSums>& start);
+
+    /// Makes those pixels black that have no sample yet: of a list of all pixels those from `first`
+    /// on. Blocks.
+    void ClearRest(const std::vector<std::uint32_t>& pixels, std::size_t first);
 
     /// The sums as they are. Blocks. \param samples [first, end) that every pixel has.
     FilmSums Read(std::uint32_t firstSample, std::uint32_t endSample) const;

@@ -8,6 +8,7 @@
 #include "hdStream/integrator/frameConstants.h"
 #include "hdStream/integrator/kernelSets.h"
 #include "hdStream/integrator/onlooker.h"
+#include "hdStream/integrator/pixelLists.h"
 #include "hdStream/integrator/sampleSchedule.h"
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/waveSize.h"
@@ -25,8 +26,8 @@ namespace hds {
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), constants(device), tracer(device, &buffers, &statistics), catchers(device),
-          occlusion(device) {}
+          film(device), constants(device), pixelLists(device),
+          tracer(device, &buffers, &statistics), catchers(device), occlusion(device) {}
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -57,6 +58,8 @@ struct PathTracer::Impl {
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
+        hasRest = start.empty();
+        numBegun = 0;
         SetWaveLimits();
     }
 
@@ -127,24 +130,20 @@ struct PathTracer::Impl {
             {most, LeastWaveSize(options, device->Properties(), most), buffers.IsStreaming()});
     }
 
-    /// \param list that waves take their pixels from.
-    void UsePixels(PixelList list) {
-        if (list != presentList) {
-            UploadPixels(schedule.Pixels(list));
-            presentList = list;
+    /// Pixels that have no sample yet, of which the film holds what it held before.
+    void ClearRest() {
+        if (std::exchange(hasRest, false)) {
+            film.ClearRest(options.interactive ? schedule.Pixels(PixelList::Preview)
+                                               : schedule.AllPixels(),
+                           numBegun);
         }
-    }
-
-    void UploadPixels(const std::vector<std::uint32_t>& list) {
-        pixels = UploadVector(device, "active pixels", list);
-        presentList.reset();
     }
 
     WaveTracer::Generate GenerateSamples(const shared::HdsWave& wave) {
         return [this, wave](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                             std::uint32_t queueFirst) {
             kernels->generateSample.Launch(count, constants.Frame(), wave, first, count,
-                                           tracer.Paths(), tracer.NumSlots(), pixels,
+                                           tracer.Paths(), tracer.NumSlots(), *pixels,
                                            constants.Filter(), queue, queueFirst);
         };
     }
@@ -165,11 +164,13 @@ struct PathTracer::Impl {
 
     /// Traces another picture, whose samples nobody keeps. \return false when it was cancelled.
     bool TracePaths(const RenderOptions& picture, const WaveTracer::IsCancelled& isCancelled) {
-        UploadPixels(PixelsOf(picture));
+        const Buffer others = UploadVector(device, "pixels of another picture", PixelsOf(picture));
+        pixels = &others;
         constants.SetOptions(picture, *scene);
         const bool isDone = ForEachWave(picture, tracer.MaxPaths(), [&](const auto& wave) {
             return TraceSamples(wave, isCancelled);
         });
+        pixels = nullptr; // RenderPass asks for a list
         constants.SetOptions(options, *scene);
         CollectTexelCounts();
         return isDone;
@@ -215,18 +216,18 @@ struct PathTracer::Impl {
             return false;
         }
         if (hasCatchers) {
-            catchers.Add(kernels, wave, tracer, pixels, film);
+            catchers.Add(kernels, wave, tracer, *pixels, film);
         }
         if (hasOcclusion) {
-            occlusion.Add(kernels, wave, pixels, film);
+            occlusion.Add(kernels, wave, *pixels, film);
         }
         if (film.NumLightPaths() > 0) {
             kernels->addLightPaths.Launch(std::size_t{wave.numPixels} * film.NumLightPaths(), wave,
-                                          tracer.Sums(), numSlots, tracer.MaxPaths(), pixels,
+                                          tracer.Sums(), numSlots, tracer.MaxPaths(), *pixels,
                                           film.Film(), film.LightPaths(), film.NumPixels(),
                                           film.NumLightPaths());
         }
-        kernels->resolve.Launch(wave.numPixels, wave, tracer.Sums(), numSlots, pixels, film.Film(),
+        kernels->resolve.Launch(wave.numPixels, wave, tracer.Sums(), numSlots, *pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
         if (film.HasMattes() || film.HasDeep()) {
@@ -255,7 +256,7 @@ struct PathTracer::Impl {
 
     /// Counts what camera rays have met.
     void CollectSurfaces(const shared::HdsWave& wave) {
-        const std::uint32_t* wavePixels = schedule.Pixels(*presentList).data() + wave.firstPixel;
+        const std::uint32_t* wavePixels = schedule.Pixels(presentList).data() + wave.firstPixel;
         const auto surfaces = ReadField<std::uint32_t>(wave, "matte", 1);
         if (film.HasMattes()) {
             film.AddMattes(wavePixels, wave.numSamples, surfaces);
@@ -277,7 +278,8 @@ struct PathTracer::Impl {
 
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
-        UsePixels(pass.list);
+        pixels = &pixelLists.Get(schedule, pass.list);
+        presentList = pass.list;
         std::uint32_t rendered = pass.begin;
         while (rendered < pass.end) {
             // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
@@ -295,6 +297,7 @@ struct PathTracer::Impl {
             }
             schedule.EndWave(count * pass.numSamples, timer.Seconds());
             rendered += count;
+            numBegun = pass.firstSample == 0 ? rendered : numBegun;
             const double samplesEquivalent = schedule.Equivalent(pass, rendered);
             const bool hadRate = onlooker->rate.SecondsPerSample() > 0.0;
             onlooker->rate.EndWave(TracingSeconds(), samplesEquivalent);
@@ -393,9 +396,9 @@ struct PathTracer::Impl {
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
         statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
         if (withError) {
-            UploadPixels(schedule.AllPixels());
-            statistics.meanRelativeError = film.MeanRelativeError(
-                kernels, pixels, static_cast<std::uint32_t>(schedule.AllPixels().size()));
+            ClearRest();
+            statistics.meanRelativeError =
+                film.MeanRelativeError(kernels, pixelLists.All(schedule), film.NumPixels());
         }
     }
 
@@ -404,7 +407,6 @@ struct PathTracer::Impl {
         if (schedule.PreviewStride() > 0) { // the film that was loaded is a picture
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
-        presentList.reset();
         std::optional<SamplePass> pass = schedule.Next();
         LearnDomes(onlooker, pass.has_value());
         while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
@@ -447,9 +449,7 @@ struct PathTracer::Impl {
             MakeResidentIfWorth(done, true, onlooker);
         }
         if (schedule.MayDrop() && !onlooker->isStopped) {
-            if (schedule.Drop(film.RelativeErrors(kernels, pixels, pass.end))) {
-                presentList.reset();
-            }
+            schedule.Drop(film.RelativeErrors(kernels, *pixels, pass.end));
         }
     }
 
@@ -461,7 +461,7 @@ struct PathTracer::Impl {
             options.shutter.IsOpen() ? options.shutter.close - options.shutter.open : 0.0);
         const Buffer primvarSlots =
             UploadVector(device, "primvar slots", FindSlots(*scene, options.aovs.primvars));
-        const Buffer order = UploadVector(device, "all pixels", schedule.AllPixels());
+        const Buffer& order = pixelLists.All(schedule);
         const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
         const Buffer& paths = tracer.Paths();
@@ -527,9 +527,12 @@ struct PathTracer::Impl {
     std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to
     StageKernels* kernels = nullptr; ///< those of the present render
     SampleSchedule schedule;
-    std::optional<PixelList> presentList; ///< that `pixels` holds
+    PixelList presentList = PixelList::Active; ///< that `pixels` is
     FrameConstants constants;
-    Buffer pixels;
+    std::uint32_t numBegun = 0; ///< pixels that have a sample: the first ones of their list
+    bool hasRest = false;       ///< the others are not black, but where a film was loaded
+    PixelLists pixelLists;
+    const Buffer* pixels = nullptr; ///< of the present pass
     RenderStatistics statistics;
     WaveTracer tracer;
     CatcherLight catchers;
@@ -556,7 +559,7 @@ bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& r
 }
 
 bool PathTracer::TakePlaces(const PlaceChanges& changes) {
-    _impl->sceneNumber += changes.arePages ? 1 : 0; // pools may have other buffers
+    _impl->sceneNumber += changes.arePages || changes.areLights ? 1 : 0; // in other buffers
     return _impl->buffers.TakePlaces(*_impl->scene, changes, _impl->residency);
 }
 
@@ -577,6 +580,7 @@ DeepImage PathTracer::Deep() const {
 }
 
 FilmSums PathTracer::Film() const {
+    _impl->ClearRest();
     return _impl->film.Read(_impl->schedule.FilmBegin(), _impl->statistics.samples);
 }
 

@@ -10,9 +10,9 @@ constexpr std::uint32_t kTileSize = 1U << kTileBits;
 
 constexpr std::uint32_t kLeastFirstStride = 8;
 constexpr std::uint32_t kMostFirstStride = 64;
-/// Pixels of the coarsest image, at least. Fewer show little, and launches take the time of some
-/// hundred paths anyway.
-constexpr std::uint64_t kLeastPreviewPixels = 256;
+/// Pixels of the coarsest image, at least. Fewer take no less time: their launches take it. The
+/// next finer image follows as soon as it is there.
+constexpr std::uint64_t kLeastPreviewPixels = 64;
 
 std::uint64_t CountOf(std::uint32_t width, std::uint32_t height, std::uint32_t stride) {
     return std::uint64_t{(width + stride - 1) / stride} * ((height + stride - 1) / stride);

@@ -13,8 +13,8 @@ namespace hds {
 std::vector<std::uint32_t> MakePixelOrder(std::uint32_t width, std::uint32_t height);
 
 /// Strides of a first image from coarse to fine, each half of the one before, down to 1. The first
-/// is at least 8 and at most 64, and as coarse as leaves some hundred pixels: what these take is
-/// how long an edit takes to show.
+/// is at least 8 and at most 64, and as coarse as leaves 64 pixels: what these take is how long
+/// an edit takes to show.
 std::vector<std::uint32_t> PreviewStrides(std::uint32_t width, std::uint32_t height);
 
 /// Pixels in the order of a first image.

@@ -38,7 +38,7 @@ void SampleSchedule::Begin(const RenderOptions& options, const std::vector<FilmS
     _noise = options.noise;
     _timeLimit = options.timeLimit;
     MakeOrders(options.imageWidth, options.imageHeight);
-    _active = _order;
+    _activeNumber = _orderNumber;
     _isInStep = false;
     _isBackward = false;
     LoadStart(start);
@@ -59,6 +59,8 @@ void SampleSchedule::MakeOrders(std::uint32_t width, std::uint32_t height) {
         _height = height;
         _order = MakePixelOrder(width, height);
         _preview = MakePreviewOrder(_order, width, height);
+        _orderNumber = ++_numLists;
+        _previewNumber = ++_numLists;
     }
 }
 
@@ -67,6 +69,7 @@ void SampleSchedule::LoadStart(const std::vector<FilmSums>& start) {
     _firstMissing = start.empty() ? 0 : start.back().endSample;
     _lateEnd = start.empty() ? 0 : start.back().MostSamples();
     _late.clear();
+    _lateNumber = ++_numLists;
     if (_lateEnd > _firstMissing) {
         const std::vector<shared::HdsFilmPixel>& sums = start.back().pixels;
         std::copy_if(_order.begin(), _order.end(), std::back_inserter(_late),
@@ -80,7 +83,27 @@ void SampleSchedule::LoadStart(const std::vector<FilmSums>& start) {
 }
 
 const std::vector<std::uint32_t>& SampleSchedule::Pixels(PixelList list) const {
-    return list == PixelList::Preview ? _preview.pixels : list == PixelList::Late ? _late : _active;
+    switch (list) {
+    case PixelList::Preview:
+        return _preview.pixels;
+    case PixelList::Late:
+        return _late;
+    case PixelList::Active:
+        break;
+    }
+    return _activeNumber == _orderNumber ? _order : _active;
+}
+
+std::uint64_t SampleSchedule::NumberOf(PixelList list) const {
+    switch (list) {
+    case PixelList::Preview:
+        return _previewNumber;
+    case PixelList::Late:
+        return _lateNumber;
+    case PixelList::Active:
+        break;
+    }
+    return _activeNumber;
 }
 
 std::optional<SamplePass> SampleSchedule::Next() const {
@@ -198,14 +221,18 @@ bool SampleSchedule::MayDrop() const {
 
 bool SampleSchedule::Drop(const std::vector<float>& errors) {
     const auto noise = static_cast<float>(_noise);
+    const std::vector<std::uint32_t>& active = Pixels(PixelList::Active);
     std::vector<std::uint32_t> rest;
     for (std::size_t i = 0; i < errors.size(); ++i) {
         if (!(errors[i] <= noise)) { // one that is not a number is not met
-            rest.push_back(_active[i]);
+            rest.push_back(active[i]);
         }
     }
-    const bool isAny = rest.size() < _active.size();
-    _active = std::move(rest);
+    const bool isAny = rest.size() < active.size();
+    if (isAny) {
+        _active = std::move(rest);
+        _activeNumber = ++_numLists;
+    }
     return isAny;
 }
 

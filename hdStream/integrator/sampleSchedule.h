@@ -69,6 +69,9 @@ public:
     const std::vector<std::uint32_t>& Pixels(PixelList list) const;
     /// All pixels of the image, in the order in which they enter waves.
     const std::vector<std::uint32_t>& AllPixels() const { return _order; }
+    /// Lists of the same number are the same, in all renders.
+    std::uint64_t NumberOf(PixelList list) const;
+    std::uint64_t NumberOfAll() const { return _orderNumber; }
 
     /// Whether the pass completed last ends where pixels that have met the error are dropped.
     bool MayDrop() const;
@@ -119,7 +122,12 @@ private:
     std::vector<std::uint32_t> _order;
     PreviewOrder _preview;
     std::vector<std::uint32_t> _late;
-    std::vector<std::uint32_t> _active;
+    std::vector<std::uint32_t> _active; ///< once pixels have been dropped
+    std::uint64_t _numLists = 0;        ///< that were made
+    std::uint64_t _orderNumber = 0;     ///< NumberOf each
+    std::uint64_t _previewNumber = 0;
+    std::uint64_t _lateNumber = 0;
+    std::uint64_t _activeNumber = 0; ///< _orderNumber: none has been dropped
     std::uint32_t _filmBegin = 0;
     std::uint32_t _firstMissing = 0; ///< first sample that some pixel of the loaded film lacks
     std::uint32_t _lateDone = 0;     ///< samples of the late pixels

@@ -212,7 +212,13 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(InstanceSlots, scene.instancePrimvars.slots);
     Upload(InstanceValues, scene.instancePrimvars.values);
     _hasInstancePrimvars = !scene.instancePrimvars.slots.empty();
+    UploadLights(scene);
+    return true;
+}
+
+void SceneBuffers::UploadLights(const CommittedScene& scene) {
     if (_lights != scene.lights) {
+        _lights = nullptr; // until all are there
         Upload(Lights, scene.lights->lights);
         Upload(LightNodes, scene.lights->nodes);
         Upload(LightTriangles, scene.lights->triangles);
@@ -221,14 +227,14 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
         _numLights = static_cast<std::uint32_t>(scene.lights->lights.size());
         _hasDomeGuide = false;
     }
-    return true;
 }
 
 /// CPU devices read tables in place where those of the scene are: there nothing is to be done.
-template <typename T>
-void SceneBuffers::UploadParts(Table table, const HugeVector<T>& values,
+template <typename Values>
+void SceneBuffers::UploadParts(Table table, const Values& values,
                                const std::vector<std::uint32_t>& parts) {
-    if (_isInPlace[table]) {
+    using T = typename Values::value_type;
+    if (_isInPlace[table] || parts.empty()) {
         return;
     }
     if (parts.size() > kMostParts) {
@@ -246,6 +252,8 @@ bool SceneBuffers::TakePlaces(const CommittedScene& scene, const PlaceChanges& c
     if (changes.arePages && !UpdatePages(scene, residency)) {
         return false;
     }
+    UploadLights(scene);
+    UploadParts(Materials, scene.materials, changes.materials);
     UploadParts(TopNodes, scene.topNodes, changes.nodes);
     if (!changes.areOthers) {
         UploadParts(Instances, scene.instances, changes.instances);

@@ -142,9 +142,9 @@ private:
     void Upload(Table table, const HugeVector<T>& values);
     void Upload(Table table, const void* values, std::uint64_t bytes);
     /// Elements of a table that has as many as before.
-    template <typename T>
-    void UploadParts(Table table, const HugeVector<T>& values,
-                     const std::vector<std::uint32_t>& parts);
+    void UploadLights(const CommittedScene& scene);
+    template <typename Values>
+    void UploadParts(Table table, const Values& values, const std::vector<std::uint32_t>& parts);
     void UploadBrickBounds(const CommittedVolumes& volumes);
 
     std::shared_ptr<Device> _device;

@@ -2,6 +2,7 @@
 #include "hdStream/integrator/waveQueues.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/device/resizeBuffer.h"
 
 #include <utility>
 
@@ -10,15 +11,6 @@ namespace hds {
 namespace {
 
 constexpr std::uint64_t kItemBytes = sizeof(std::uint32_t);
-
-/// Makes or keeps a buffer of exactly so many bytes.
-void Resize(Buffer* buffer, const std::shared_ptr<Device>& device, const char* label,
-            std::uint64_t bytes) {
-    if (!buffer->IsValid() || buffer->Bytes() != bytes) {
-        *buffer = Buffer(); // frees first
-        *buffer = Buffer(device, label, bytes);
-    }
-}
 
 } // namespace
 
@@ -41,23 +33,23 @@ void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t numSlots,
     HDS_VERIFY(hasLists || numSlots == numPaths, "each path has its slot");
     _numSlots = numSlots;
     _hasSums = hasLists;
-    Resize(&_paths, _device, "path state", numSlots * kernels.PathStateBytes());
-    Resize(&_sums, _device, "sums of paths",
-           hasLists ? numPaths * SumBytes(kernels.Features()) : 0);
+    ResizeBuffer(_device, "path state", numSlots * kernels.PathStateBytes(), &_paths);
+    ResizeBuffer(_device, "sums of paths", hasLists ? numPaths * SumBytes(kernels.Features()) : 0,
+                 &_sums);
     _bytes = _paths.Bytes() + _sums.Bytes();
     for (std::uint32_t i = 0; i < kNumQueues; ++i) {
         const bool isUsed = hasLists || i < kResumedQueue;
-        Resize(&_queues[i], _device, "ray queue", isUsed ? numSlots * kItemBytes : 0);
+        ResizeBuffer(_device, "ray queue", isUsed ? numSlots * kItemBytes : 0, &_queues[i]);
         _bytes += _queues[i].Bytes();
     }
     const std::uint64_t waitBytes = kernels.Features().streaming ? numSlots * kItemBytes : 0;
     for (auto& side : _waitQueues) {
         for (Buffer& queue : side) {
-            Resize(&queue, _device, "queue of what waits", waitBytes);
+            ResizeBuffer(_device, "queue of what waits", waitBytes, &queue);
             _bytes += queue.Bytes();
         }
     }
-    Resize(&_ready, _device, "queue of ready paths", hasLists ? waitBytes : 0);
+    ResizeBuffer(_device, "queue of ready paths", hasLists ? waitBytes : 0, &_ready);
     _bytes += _ready.Bytes();
 }
 

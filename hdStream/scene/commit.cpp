@@ -134,16 +134,9 @@ private:
     }
 
     void AddLights() {
-        LightCommitInput input;
-        input.scene = &_scene;
-        input.centre = _result->centre;
-        input.domeVisible = _options.domeVisible;
-        input.lightsVisible = _options.lightsVisible;
-        input.primInfos = &_prims->primInfos;
-        input.materials = &_materials;
+        LightCommitInput input = _prims->LightInput(_result->centre);
         input.worldInstances = &_worldInstances;
         input.links = &_links;
-        input.shutter = _options.shutter;
         CommittedLights lights = CommitLights(input, &_cache, _warnings);
         _result->lights = _cache.lights;
         _result->hasMotion = _result->hasMotion || _cache.lights->hasMotion;
@@ -157,6 +150,9 @@ private:
                                                                      : 0U; // shadow rays end there
                 instance.lightBase = lights.firstEntryByRecord[i];
             }
+        }
+        if (_areKept) {
+            _prims->worldInstances = std::move(_worldInstances);
         }
     }
 
@@ -311,6 +307,7 @@ std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
         }
         prims = reshaped == PrimCommit::Reshaped::Done ? prims : nullptr;
     }
+    prims = prims && prims->Recolour(nullptr, nullptr) ? prims : nullptr;
     cache->reshaped.clear();
     const SceneDescription* inWorkingSpace = &scene;
     if (!prims) {

@@ -85,11 +85,23 @@ PlaceTables::PlaceTables(const SceneDescription& scene, const std::vector<DrawnL
 
 bool PlaceTables::Mend(const std::vector<std::size_t>& leaves, CommittedScene* committed,
                        PlaceChanges* changes) {
+    for (const std::size_t leaf : leaves) {
+        UpdateReach(leaf);
+    }
+    if (_isReachOld) {
+        _reachOfAll = _reachOfOthers;
+        for (const Reach& reach : _reach) {
+            _reachOfAll.Extend(reach);
+        }
+        _isReachOld = false;
+    }
+    if (CentreOfReach(_reachOfAll, _reach, _otherPieces) != committed->centre) {
+        return false;
+    }
     std::uint32_t firstRank = HDS_NONE; // of those that went or came back
     for (const std::size_t leaf : leaves) {
         Record& record = _records[leaf];
         const bool isVisible = _leaves[leaf].Prim().placement.visible;
-        UpdateReach(leaf);
         if (isVisible && !PutRecord(leaf, committed, changes)) {
             return false;
         }
@@ -101,16 +113,6 @@ bool PlaceTables::Mend(const std::vector<std::size_t>& leaves, CommittedScene* c
         if (!isVisible) {
             _refit.Set(record.item, Bounds());
         }
-    }
-    if (_isReachOld) {
-        _reachOfAll = _reachOfOthers;
-        for (const Reach& reach : _reach) {
-            _reachOfAll.Extend(reach);
-        }
-        _isReachOld = false;
-    }
-    if (CentreOfReach(_reachOfAll, _reach, _otherPieces) != committed->centre) {
-        return false;
     }
     for (const std::uint32_t node : _refit.Write(committed->topNodes.data() + _tlas.nodeBase)) {
         changes->nodes.push_back(_tlas.nodeBase + node);

@@ -19,7 +19,9 @@ namespace hds {
 struct PlaceChanges {
     std::vector<std::uint32_t> instances; ///< records
     std::vector<std::uint32_t> nodes;     ///< of topNodes
+    std::vector<std::uint32_t> materials; ///< records
     bool areOthers = false;               ///< all records, instancesByPath and the TLAS's object
+    bool areLights = false;               ///< the light table
     bool arePages = false;                ///< what pools have of it
 };
 

@@ -7,6 +7,7 @@
 
 #include "hdStream/scene/commit.h"
 #include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/placeTables.h"
@@ -46,12 +47,22 @@ public:
     /// no use any more.
     Reshaped Reshape(const std::set<std::string>& paths, const CancelCallback& isCancelled);
 
-    /// Brings the tables of a scene to what prims are now. \pre Run would make the same; the last
-    /// commit has made `scene` of it; since then nothing but places of the prims at `paths` has
-    /// changed, and shapes of those that the cache knows of, which are among them.
-    /// \return Done; else the scene has to be committed. Cancelled: prims are as before;
-    /// Otherwise: if they are still what another commit would make of them, IsStillTrue says so.
-    Reshaped Mend(const std::set<std::string>& paths, CommittedScene* scene, PlaceChanges* changes,
+    /// Gives the materials `recoloured` the networks that they have now, where that changes nothing
+    /// but numbers of records. \param scene that was made of it, if there is one. \return false:
+    /// all has to be made anew.
+    bool Recolour(CommittedScene* scene, PlaceChanges* changes);
+
+    /// What has changed of a scene since a commit, beside CommitCache::reshaped and `recoloured`.
+    struct Edits {
+        std::set<std::string> prims; ///< that have moved, gone or come back, or have another shape
+        bool areLights = false;      ///< some have other numbers (LeavesPrims)
+    };
+
+    /// Brings the tables of a scene to what prims, materials and lights are now. \pre Run would
+    /// make the same; the last commit has made `scene` of it; since then nothing else has changed.
+    /// \return Done; else: Cancelled: all is as before; Otherwise: the scene has to be committed.
+    /// If prims are still what another commit would make of them, IsStillTrue says so.
+    Reshaped Mend(const Edits& edits, CommittedScene* scene, PlaceChanges* changes,
                   const CancelCallback& isCancelled);
     /// Before another commit of it, whose tables are others.
     void ForgetTables();
@@ -64,6 +75,9 @@ public:
     /// All leaves, moved out: nothing asks for them again.
     std::vector<DrawnLeaf> TakeLeaves() { return std::move(_leaves); }
 
+    /// What the light table of a scene around `centre` is made of.
+    LightCommitInput LightInput(const glm::dvec3& centre) const;
+
     /// Adds what the prims that are visible now say of the whole scene.
     void Describe(CommittedScene* scene) const;
 
@@ -71,6 +85,9 @@ public:
     MaterialCommit materials;
     std::vector<PrimMaterialInfo> primInfos; ///< by the index of the prim
     LightLinks links;
+    std::vector<WorldInstance> worldInstances; ///< of the last scene, where prims are kept
+    /// Materials that edits have given other networks; who counts edits adds them.
+    std::set<std::string> recoloured;
 
 private:
     using GeometryEntry = GeometryStore::Entry;
@@ -95,6 +112,12 @@ private:
         bool mayHide = true; ///< no other table knows prims by their number
     };
 
+    /// Who has which records of materials.
+    struct Records {
+        std::map<const CachedMaterial*, std::set<std::uint32_t>> ofMaterial;
+        std::vector<std::uint32_t> numUsers; ///< materials, by record
+    };
+
     std::vector<const GeometryEntry*> FindDrawn();
     std::vector<GeometryStore::Drawn> InputsOf(const std::vector<const GeometryEntry*>& drawn);
     void ReadPrimvars(std::size_t index, const GeometryDescription& geometry,
@@ -111,7 +134,11 @@ private:
                                                       CommittedScene* scene);
     Reshaped GiveShapes(CommittedScene* scene, PlaceChanges* changes,
                         const CancelCallback& isCancelled);
-    void Count(std::size_t index, bool isAdded, CommittedScene* scene) const;
+    void Count(std::size_t index, std::uint64_t numPrimitives, bool isAdded,
+               CommittedScene* scene) const;
+    void FindRecords();
+    std::optional<std::set<std::uint32_t>> RecolourOne(const std::string& path);
+    bool MendLights(CommittedScene* scene, PlaceChanges* changes);
     std::array<bool, Shown::kNumKinds> KindsOf(std::size_t index) const;
     bool ArePrimsKnownByNumber() const;
     void CountShown();
@@ -130,6 +157,7 @@ private:
     std::vector<DrawnLeaf> _leaves;            ///< in the order of paths
     bool _isSpoilt = false;                    ///< by a Reshape that was Otherwise
     std::map<std::string, DicingView> _views;  ///< of subdivided meshes
+    std::optional<Records> _records;           ///< from the first Recolour on
     std::unique_ptr<PlaceTables> _places;      ///< of the last scene, from the first Move on
     std::optional<Shown> _shown;               ///< likewise, from the first that hides or shows
 };

@@ -7,25 +7,40 @@
 
 namespace hds {
 
+namespace {
+
+/// Of more prims, and more than this part of all, a commit makes tables as fast, and a better TLAS.
+constexpr std::size_t kMostMended = 8;
+constexpr std::size_t kMostMendedPart = 8;
+
+} // namespace
+
 void PrimCommit::ForgetTables() {
     _places.reset();
     _shown.reset();
 }
 
-PrimCommit::Reshaped PrimCommit::Mend(const std::set<std::string>& paths, CommittedScene* scene,
+PrimCommit::Reshaped PrimCommit::Mend(const Edits& edits, CommittedScene* scene,
                                       PlaceChanges* changes, const CancelCallback& isCancelled) {
-    if (!PlaceTables::Serves(*scene)) {
+    const bool arePlaces = !edits.prims.empty() || !_cache.reshaped.empty();
+    const std::size_t most = std::max(kMostMended, _leaves.size() / kMostMendedPart);
+    if (arePlaces && (!PlaceTables::Serves(*scene) || edits.prims.size() > most)) {
         return Reshaped::Otherwise;
     }
-    if (!_places) {
+    if (arePlaces && !_places) {
         _places = std::make_unique<PlaceTables>(_scene, _leaves, *scene, _options.shutter);
     }
-    Reshaped result = Reshaped::Otherwise;
-    if (const auto moved = FindMoved(paths, scene)) {
-        result = GiveShapes(scene, changes, isCancelled);
-        if (result == Reshaped::Done && !_places->Mend(*moved, scene, changes)) {
-            result = Reshaped::Otherwise;
-        }
+    // Shapes first: who cancels their planning leaves all as it was.
+    Reshaped result = GiveShapes(scene, changes, isCancelled);
+    if (result == Reshaped::Cancelled) {
+        return result;
+    }
+    if (result == Reshaped::Done) {
+        const auto moved = FindMoved(edits.prims, scene);
+        const bool isMended = moved && Recolour(scene, changes) &&
+                              (!edits.areLights || MendLights(scene, changes)) &&
+                              (!arePlaces || _places->Mend(*moved, scene, changes));
+        result = isMended ? Reshaped::Done : Reshaped::Otherwise;
     }
     if (result != Reshaped::Done) {
         ForgetTables();
@@ -76,16 +91,21 @@ PrimCommit::Reshaped PrimCommit::GiveShapes(CommittedScene* scene, PlaceChanges*
     if (!indices) {
         return Reshaped::Otherwise;
     }
+    std::vector<std::uint64_t> numBefore;
     for (const std::size_t index : *indices) {
-        Count(index, false, scene);
+        numBefore.push_back(_drawn[index].numPrimitives);
     }
     const Reshaped result = Reshape(_cache.reshaped, isCancelled);
     if (result != Reshaped::Done) {
         return result;
     }
     _cache.reshaped.clear();
-    for (const std::size_t index : *indices) {
-        Count(index, true, scene);
+    for (std::size_t i = 0; i < indices->size(); ++i) {
+        const std::size_t index = (*indices)[i];
+        if (_places->IsShown(_drawn[index].firstLeaf)) { // else it comes back as it is now
+            Count(index, numBefore[i], false, scene);
+            Count(index, _drawn[index].numPrimitives, true, scene);
+        }
         scene->primAttributes[index] = prims.primAttributes[index];
         const std::uint32_t base = prims.objects[_objectOfDrawn[index]].nodeBase;
         const std::size_t numNodes = _cache.geometry.OfDrawn(index).topNodes.size();
@@ -100,10 +120,10 @@ PrimCommit::Reshaped PrimCommit::GiveShapes(CommittedScene* scene, PlaceChanges*
 }
 
 /// Adds a prim to what the scene counts, or takes it away.
-void PrimCommit::Count(std::size_t index, bool isAdded, CommittedScene* scene) const {
-    const DrawnPrim& drawn = _drawn[index];
+void PrimCommit::Count(std::size_t index, std::uint64_t numPrimitives, bool isAdded,
+                       CommittedScene* scene) const {
     SceneCounts own;
-    CountPrim(*drawn.entry->second.geometry, drawn.numPrimitives, &own);
+    CountPrim(*_drawn[index].entry->second.geometry, numPrimitives, &own);
     for (const auto count : {&SceneCounts::meshes, &SceneCounts::triangles, &SceneCounts::curves,
                              &SceneCounts::points, &SceneCounts::splats}) {
         scene->counts.*count += isAdded ? own.*count : std::uint64_t{0} - own.*count;
@@ -169,7 +189,7 @@ bool PrimCommit::HideOrShow(std::size_t index, bool isVisible, CommittedScene* s
         users += step;
         isAnyLast = isAnyLast || users == 0;
     });
-    Count(index, isVisible, scene);
+    Count(index, _drawn[index].numPrimitives, isVisible, scene);
     scene->counts.instances += isVisible ? std::uint64_t{1} : ~std::uint64_t{0};
     return !isAnyLast;
 }

@@ -3,10 +3,12 @@
 #pragma once
 
 #include "hdStream/scene/commit.h"
+#include "hdStream/scene/primCommit.h"
 #include "hdStream/scene/primEdits.h"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -23,13 +25,13 @@ public:
     /// Of those that do not leave what the cache has of prims (CommitCache::contentVersion).
     std::uint64_t Content() const { return _content; }
 
-    /// Prims that have moved, gone or come back, or have another shape (CommitCache::reshaped),
-    /// since the last commit, if nothing else has happened to the scene; else null.
-    const std::set<std::string>* Moved() const { return _isMovedAlone ? &_moved : nullptr; }
+    /// What has happened to the scene since the last commit, beside shapes and materials, of which
+    /// the cache knows; null: other things as well.
+    const PrimCommit::Edits* Mendable() const { return _isMendable ? &_edits : nullptr; }
     /// There is a commit of the scene as it is now.
     void NoteCommit() {
-        _moved.clear();
-        _isMovedAlone = true;
+        _edits = {};
+        _isMendable = true;
     }
 
     /// Before a prim of a path comes into the place of what is there.
@@ -44,27 +46,40 @@ public:
             NoteMoved(path, after);
             return;
         }
-        _isMovedAlone = false;
+        _isMendable = false;
         ++_content;
+    }
+
+    /// Before a material gets a network.
+    void CountMaterial(const std::map<std::string, std::shared_ptr<const MaterialNetwork>>& before,
+                       const std::string& path) {
+        if (!_cache.prims || before.count(path) == 0) {
+            Count();
+            return;
+        }
+        ++_scene;
+        _cache.prims->recoloured.insert(path);
     }
 
     /// Any other edit.
     void Count() {
         ++_scene;
         ++_content;
-        _isMovedAlone = false;
+        _isMendable = false;
     }
 
 private:
     void NoteMoved(const std::string& path, const GeometryPrim& /*prim*/) {
-        if (_isMovedAlone) { // else nobody asks
-            _moved.insert(path);
+        if (_isMendable) { // else nobody asks
+            _edits.prims.insert(path);
         }
     }
-    /// What places others, or lights them.
-    template <typename Prim>
-    void NoteMoved(const std::string& /*path*/, const Prim& /*prim*/) {
-        _isMovedAlone = false;
+    void NoteMoved(const std::string& /*path*/, const LightPrim& /*prim*/) {
+        _edits.areLights = true;
+    }
+    /// It places others.
+    void NoteMoved(const std::string& /*path*/, const InstancerPrim& /*prim*/) {
+        _isMendable = false;
     }
 
     template <typename Prim>
@@ -85,8 +100,8 @@ private:
     CommitCache& _cache;
     std::uint64_t _scene = 1;
     std::uint64_t _content = 1;
-    std::set<std::string> _moved;
-    bool _isMovedAlone = false;
+    PrimCommit::Edits _edits;
+    bool _isMendable = false;
 };
 
 } // namespace hds

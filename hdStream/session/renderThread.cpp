@@ -116,6 +116,9 @@ struct RenderThread::Impl {
               _pacing(PassSeconds(settings.interactive, settings.passSeconds)) {
             const std::lock_guard<std::mutex> lock(impl->mutex);
             _statisticsBefore = impl->status ? impl->status->statistics : "";
+            if (impl->status && impl->status->isFinal) {
+                impl->sinceStatistics = Timer(); // those of a render that is over do not age
+            }
         }
 
         /// The progress callback; waits while paused. \return false when the render is to end.

@@ -170,21 +170,22 @@ struct Session::Impl {
         return settings.interactive && settings.traversal != "flat";
     }
 
-    /// Mends the scene and its tables where edits have only moved and reshaped prims since the last
-    /// commit. \return Done; Cancelled; Otherwise: it has to be committed.
+    /// Mends the scene and its tables where edits since the last commit allow it. \return Done;
+    /// Cancelled; Otherwise: it has to be committed.
     PrimCommit::Reshaped MendCommit(const Settings& settings, const CommitKey& key,
                                     const CancelCallback& isCancelled) {
         using Result = PrimCommit::Reshaped;
         const auto start = std::chrono::steady_clock::now();
-        const std::set<std::string>* moved = edits.Moved();
-        if (moved == nullptr || !cache.prims || cache.primsVersion != edits.Content()) {
+        const PrimCommit::Edits* mendable = edits.Mendable();
+        if (mendable == nullptr || !cache.prims || cache.primsVersion != edits.Content()) {
             return Result::Otherwise;
         }
         const bool isShapes = !cache.reshaped.empty();
-        committed.reset(); // until tables hold all of it
+        const std::optional<CommitKey> before = std::exchange(committed, std::nullopt);
         PlaceChanges changes;
-        const Result result = cache.prims->Mend(*moved, scene.get(), &changes, isCancelled);
+        const Result result = cache.prims->Mend(*mendable, scene.get(), &changes, isCancelled);
         if (result != Result::Done) {
+            committed = result == Result::Cancelled ? before : std::nullopt;
             return result;
         }
         if (isShapes) {
@@ -200,8 +201,8 @@ struct Session::Impl {
             return Result::Otherwise;
         }
         committed = key;
-        isMended = true;
-        statistics.primsMended = moved->size();
+        isMended = isMended || !mendable->prims.empty();
+        statistics.primsMended = mendable->prims.size();
         edits.NoteCommit();
         statistics.commitSeconds = SecondsSince(start);
         return result;
@@ -416,8 +417,8 @@ void Session::SetLight(const std::string& path, LightPrim prim) {
 }
 
 void Session::SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network) {
+    _impl->edits.CountMaterial(_impl->description.materials, path);
     _impl->description.materials[path] = std::move(network);
-    _impl->edits.Count();
 }
 
 void Session::SetCamera(const std::string& path, CameraPrim prim) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Adds the samples of a finished wave to the film, one work-item a pixel, in the order of samples:
  * the sums do not depend on how samples were spread over waves. From: path radiance; while rays
- * keep lists, where slots are used again, the sums of paths. To: film. Explained in docs/film.md.
- */
+ * keep lists, where slots are used again, the sums of paths. To: film, of which nothing is read
+ * where a pixel has its first sample: it may hold a render before. Explained in docs/film.md. */
 #include "film/filmPixel.clh"
 #include "integrator/lightPaths.clh"
 #include "integrator/pathState.clh"
@@ -43,6 +43,19 @@ float4 resolve_sum(global uchar* state, uint numSlots, uint number) {
 #endif
 }
 
+/* Samples that the film has of a pixel of the wave. */
+uint resolve_samplesBefore(HdsWave wave, global const HdsFilmPixel* pixel) {
+    return wave.firstSample > 0u ? pixel->numSamples : 0u;
+}
+
+#if HDS_LIGHT_PATH_STATE || HDS_FEATURE_CATCHERS || HDS_FEATURE_OCCLUSION
+/* A sum beside colour as it is before a wave. */
+HdsLightPathPixel resolve_sumBefore(HdsWave wave, global const HdsLightPathPixel* slot) {
+    const HdsLightPathPixel black = {(float4)(0.0f), (float4)(0.0f)};
+    return wave.firstSample > 0u ? *slot : black;
+}
+#endif
+
 /* Whether a sample counts; else it is black. */
 bool resolve_isFinite(float4 value) {
     return isfinite(value.x) && isfinite(value.y) && isfinite(value.z);
@@ -78,8 +91,8 @@ kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlo
     const uint k = item / wave.numPixels;
     const uint at = pixels[wave.firstPixel + i];
     global HdsLightPathPixel* slot = &sums[(size_t)k * numPixels + at];
-    HdsLightPathPixel pixel = *slot;
-    uint numSamples = film[at].numSamples;
+    HdsLightPathPixel pixel = resolve_sumBefore(wave, slot);
+    uint numSamples = resolve_samplesBefore(wave, &film[at]);
     for (uint s = 0u; s < wave.numSamples; ++s) {
         const uint number = i * wave.numSamples + s;
         const float4 value = resolve_sum(state, numSlots, number);
@@ -116,8 +129,8 @@ kernel void resolve_addOcclusion(HdsWave wave, global const float4* kept, global
         return;
     }
     const uint at = pixels[wave.firstPixel + i];
-    HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
-    uint numSamples = film[at].numSamples;
+    HdsLightPathPixel pixel = resolve_sumBefore(wave, &sums[(size_t)firstSum + at]);
+    uint numSamples = resolve_samplesBefore(wave, &film[at]);
     for (uint s = 0u; s < wave.numSamples; ++s) {
         pixel.blockSum.x += kept[i * wave.numSamples + s].x;
         ++numSamples;
@@ -144,9 +157,9 @@ kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots
     const uint at = pixels[wave.firstPixel + i];
     global HdsLightPathPixel* slots[2] = {&sums[(size_t)firstSum + at],
                                           &sums[(size_t)firstSum + numPixels + at]};
-    HdsLightPathPixel lit = *slots[0];
-    HdsLightPathPixel unshadowed = *slots[1];
-    uint numSamples = film[at].numSamples;
+    HdsLightPathPixel lit = resolve_sumBefore(wave, slots[0]);
+    HdsLightPathPixel unshadowed = resolve_sumBefore(wave, slots[1]);
+    uint numSamples = resolve_samplesBefore(wave, &film[at]);
     for (uint s = 0u; s < wave.numSamples; ++s) {
         const uint number = i * wave.numSamples + s;
         const float4 value = resolve_sum(state, numSlots, number);
@@ -177,7 +190,10 @@ kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
         return;
     }
     global HdsFilmPixel* slot = &film[pixels[wave.firstPixel + i]];
-    HdsFilmPixel pixel = *slot;
+    HdsFilmPixel pixel = {(float4)(0.0f), (float4)(0.0f), 0.0f, 0.0f, 0.0f, 0u};
+    if (wave.firstSample > 0u) {
+        pixel = *slot;
+    }
     for (uint s = 0u; s < wave.numSamples; ++s) {
         float4 value = resolve_sum(state, numSlots, i * wave.numSamples + s);
         if (!resolve_isFinite(value)) {

@@ -76,6 +76,18 @@ std::shared_ptr<const MaterialNetwork> MakeAmountReader() {
     return network;
 }
 
+void AddInstancesAndSun(const std::string& path, GeometryPrim prim, SceneDescription* scene) {
+    InstancerPrim many;
+    many.instanceTransforms.translations = std::vector<float>{0, 1, 0, 0, 2, 0, 0, 3, 0};
+    scene->instancers[path] = many;
+    prim.placement.instancerPath = path;
+    prim.placement.instances = std::vector<std::int32_t>{0, 2};
+    scene->geometry[path + "/leaf"] = std::move(prim);
+    LightPrim sun;
+    sun.light.type = LightType::Distant;
+    scene->lights["/sun"] = sun;
+}
+
 glm::dmat4 Move(double x, double y, double z) {
     return glm::translate(glm::dmat4(1.0), glm::dvec3(x, y, z));
 }

@@ -23,6 +23,10 @@ std::shared_ptr<const GeometryDescription> MakeGridOfAmounts(int size, float bum
 /// A UsdPreviewSurface that is as bright as the primvar "amount" of its prim says.
 std::shared_ptr<const MaterialNetwork> MakeAmountReader();
 
+/// An instancer of three instances at `path`, the first and the last of which place `prim` at
+/// path/leaf, and a sun.
+void AddInstancesAndSun(const std::string& path, GeometryPrim prim, SceneDescription* scene);
+
 /// A transform that moves by (x, y, z).
 glm::dmat4 Move(double x, double y, double z);
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // kernels/integrator/resolve.cl: samples that are not finite are counted, each once, and add black
-// to the film.
+// to the film. A pixel's first sample does not meet what the film has held before.
 #include "kernels/shared/frame.h"
 #include "testenv/support/deviceFixture.h"
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace hds::test {
@@ -31,8 +32,11 @@ using Radiance = std::array<float, 4>; // r, g, b, alpha
 
 class ResolveTest : public DeviceFixture {
 protected:
-    /// The film after one wave of such samples over a black film; sets `counters`.
-    std::vector<shared::HdsFilmPixel> Resolve(const std::vector<Radiance>& samples) {
+    /// The film after one wave of such samples; sets `counters`. \param before what the film has
+    /// held. \param firstSample of the wave.
+    std::vector<shared::HdsFilmPixel> Resolve(const std::vector<Radiance>& samples,
+                                              const shared::HdsFilmPixel& before = {},
+                                              std::uint32_t firstSample = 0) {
         const auto program = Build(kSource);
         const Buffer count = Allocate(sizeof(std::uint32_t));
         program->GetKernel("countFields").Launch(1, count);
@@ -40,10 +44,10 @@ protected:
         const Buffer paths = Allocate(stateBytes);
         const Buffer values = Upload(samples);
         const Buffer pixels = Upload(std::vector<std::uint32_t>{4, 2, 0, 1, 3});
-        const Buffer film = Upload(std::vector<shared::HdsFilmPixel>(kPixels));
+        const Buffer film = Upload(std::vector<shared::HdsFilmPixel>(kPixels, before));
         const Buffer counts = Upload(std::vector<std::uint32_t>(HDS_NUM_COUNTERS, 0));
         program->GetKernel("injectRadiance").Launch(kSlots, paths, kSlots, values);
-        const shared::HdsWave wave{0, kPixels, 0, kSamples};
+        const shared::HdsWave wave{0, kPixels, firstSample, kSamples};
         program->GetKernel("resolve_addSamples")
             .Launch(kPixels, wave, paths, kSlots, pixels, film, counts);
         counters = Download<std::uint32_t>(counts, HDS_NUM_COUNTERS);
@@ -62,6 +66,27 @@ TEST_F(ResolveTest, FiniteSamplesAreSummedAndNotCounted) {
         EXPECT_EQ(pixel.blockSum.y, 8.0F);
         EXPECT_EQ(pixel.blockSum.z, 2.0F);
         EXPECT_EQ(pixel.blockSum.w, 4.0F);
+    }
+}
+
+TEST_F(ResolveTest, OnlyTheFirstSamplesBeginAnew) {
+    const std::vector<Radiance> samples(kSlots, Radiance{1.0F, 2.0F, 0.5F, 1.0F});
+    shared::HdsFilmPixel before{};
+    before.sum = {32.0F, 8.0F, 4.0F, 16.0F};
+    before.blockSum = {3.0F, 1.0F, 2.0F, 2.0F};
+    before.luminanceSquares = 5.0F;
+    before.blockLuminanceSquares = 6.0F;
+    before.blockSquares = 7.0F;
+    before.numSamples = 18;
+    const auto black = Resolve(samples);
+    const auto anew = Resolve(samples, before);
+    const auto later = Resolve(samples, before, 18);
+    for (std::uint32_t i = 0; i < kPixels; ++i) {
+        EXPECT_EQ(std::memcmp(&anew[i], &black[i], sizeof(anew[i])), 0) << i;
+        EXPECT_EQ(later[i].numSamples, 22U);
+        EXPECT_EQ(later[i].sum.x, 32.0F);
+        EXPECT_EQ(later[i].blockSum.x, 7.0F);
+        EXPECT_EQ(later[i].blockSquares, 7.0F);
     }
 }
 

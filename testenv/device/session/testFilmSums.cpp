@@ -101,6 +101,44 @@ TEST_F(FilmSumsTest, ARenderThatWasStoppedInsideAPassGoesOn) {
     EXPECT_GT(numInside, 1);
 }
 
+/// Of a film that holds the render before.
+TEST_F(FilmSumsTest, PixelsThatAStoppedRenderHasNotReachedAreBlack) {
+    for (const bool interactive : {false, true}) {
+        Session session;
+        FillSession(&session);
+        Settings settings = SettingsOf(3);
+        settings.aovs.insert(settings.aovs.end(), {"diffuse", "direct"});
+        settings.interactive = interactive;
+        EXPECT_EQ(session.Render(settings), RenderResult::Complete);
+        settings.samples = 1;
+        settings.waveSize = 300; // of 1536 pixels
+        int left = 2;
+        EXPECT_EQ(session.Render(settings,
+                                 [&](const Progress& progress) {
+                                     return progress.fraction == 0.0 || left-- > 0;
+                                 }),
+                  RenderResult::Stopped);
+        const FilmSums some = session.Film();
+        EXPECT_EQ(session.Render(settings), RenderResult::Complete);
+        const FilmSums all = session.Film();
+        std::size_t numReached = 0;
+        for (std::size_t i = 0; i < all.pixels.size(); ++i) {
+            const bool isReached = some.pixels[i].numSamples > 0;
+            numReached += isReached ? 1 : 0;
+            const shared::HdsFilmPixel pixel = isReached ? all.pixels[i] : shared::HdsFilmPixel{};
+            EXPECT_EQ(std::memcmp(&some.pixels[i], &pixel, sizeof(pixel)), 0) << i;
+            for (std::size_t at = i; at < all.lightPathPixels.size(); at += all.pixels.size()) {
+                const shared::HdsLightPathPixel sum =
+                    isReached ? all.lightPathPixels[at] : shared::HdsLightPathPixel{};
+                EXPECT_EQ(std::memcmp(&some.lightPathPixels[at], &sum, sizeof(sum)), 0) << at;
+            }
+        }
+        EXPECT_GT(numReached, 0U);
+        EXPECT_LT(numReached, all.pixels.size());
+        EXPECT_EQ(all.lightPathPixels.size(), 2 * all.pixels.size());
+    }
+}
+
 TEST_F(FilmSumsTest, SumsThatDoNotFitAreErrors) {
     const FilmSums first = Range(0, 16);
     const FilmSums third = Range(32, 40);

@@ -171,7 +171,7 @@ void FillWithMany(Session* session, int count) {
     }
 }
 
-/// Moves, hides, shows or reshapes a few of them.
+/// Moves, hides, shows or reshapes a few of them, and gives a material or a light other numbers.
 Edit RandomEdit(std::mt19937* random, int count) {
     return [=](Session& session) {
         const auto below = [&](int end) { return static_cast<int>((*random)() % unsigned(end)); };
@@ -191,7 +191,30 @@ Edit RandomEdit(std::mt19937* random, int count) {
             }
             session.SetGeometry(path, prim);
         }
+        if (below(3) == 0) {
+            session.SetMaterial("/red", MakeMaterial(0.1F * float(below(9)), 0.3F, 0.2F));
+        }
+        if (below(3) == 0) {
+            LightPrim sun = session.Scene().lights.at("/sun");
+            sun.light.intensity = 0.3F * float(1 + below(9));
+            sun.placement.worldFromObject = glm::rotate(sun.placement.worldFromObject,
+                                                        0.1 * below(6), glm::dvec3(0.0, 1.0, 0.0));
+            session.SetLight("/sun", sun);
+        }
     };
+}
+
+/// A fresh one of what another has become by edits.
+void FillAs(const Session& edited, Session* session) {
+    for (const auto& [path, network] : edited.Scene().materials) {
+        session->SetMaterial(path, network);
+    }
+    for (const auto& [path, light] : edited.Scene().lights) {
+        session->SetLight(path, light);
+    }
+    for (const auto& [path, prim] : edited.Scene().geometry) {
+        session->SetGeometry(path, prim);
+    }
 }
 
 /// A chain of edits, rendered by a session that mends its tables and by ones that are fresh.
@@ -210,9 +233,7 @@ int CountMended(const Settings& settings, const Settings& fresh, int numEdits) {
         numMended += geometry["primsMended"].get<int>() > 0 ? 1 : 0;
         Session other;
         FillWithMany(&other, kNumMeshes);
-        for (const auto& [path, prim] : edited.Scene().geometry) {
-            other.SetGeometry(path, prim);
-        }
+        FillAs(edited, &other);
         EXPECT_EQ(other.Render(fresh), RenderResult::Complete);
         EXPECT_TRUE(SameLayers(edited.Layers(), other.Layers())) << i;
     }
@@ -220,9 +241,7 @@ int CountMended(const Settings& settings, const Settings& fresh, int numEdits) {
     EXPECT_EQ(edited.Render(fresh), RenderResult::Complete);
     Session other;
     FillWithMany(&other, kNumMeshes);
-    for (const auto& [path, prim] : edited.Scene().geometry) {
-        other.SetGeometry(path, prim);
-    }
+    FillAs(edited, &other);
     EXPECT_EQ(other.Render(fresh), RenderResult::Complete);
     EXPECT_TRUE(SameLayers(edited.Layers(), other.Layers()));
     return numMended;
@@ -244,6 +263,31 @@ TEST_F(PlaceEdits, MendedTablesOfStreamedGeometryHaveTheBitsOfFreshSessions) {
     fresh.interactive = false;
     constexpr int kNumEdits = 8;
     EXPECT_GT(CountMended(settings, fresh, kNumEdits), kNumEdits / 3);
+}
+
+/// Below an instancer, and in chunks, prims are committed and the rest is mended.
+TEST_F(PlaceEdits, OfInstancesInChunksHaveTheBitsOfFreshSessions) {
+    Settings settings = Interactive();
+    settings.instanceChunks = 1;
+    settings.traversal = "scalar";
+    Settings fresh = settings;
+    fresh.interactive = false;
+    constexpr int kNumEdits = 8;
+    EXPECT_EQ(CountMended(settings, fresh, kNumEdits), 0);
+    Session edited;
+    Fill(&edited);
+    RenderOf(&edited, settings);
+    std::vector<ImageLayer> before = edited.Layers();
+    for (const float shade : {0.2F, 0.6F}) {
+        edited.SetMaterial("/red", MakeMaterial(shade, 0.3F, 0.2F));
+        const std::vector<ImageLayer> after = RenderOf(&edited, settings);
+        EXPECT_FALSE(SameLayers(after, before));
+        Session other;
+        Fill(&other);
+        FillAs(edited, &other);
+        EXPECT_TRUE(SameLayers(after, RenderOf(&other, fresh)));
+        before = after;
+    }
 }
 
 TEST_F(PlaceEdits, AShapeIsAllThatIsLoaded) {

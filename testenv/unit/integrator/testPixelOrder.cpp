@@ -63,12 +63,12 @@ TEST(PixelOrder, PreviewsGoFromCoarseToFine) {
     }
 }
 
-TEST(PixelOrder, TheFirstPreviewHasSomeHundredPixels) {
+TEST(PixelOrder, TheFirstPreviewHas64PixelsAtLeast) {
     using Strides = std::vector<std::uint32_t>;
     EXPECT_EQ(PreviewStrides(1, 1), (Strides{8, 4, 2, 1}));
-    EXPECT_EQ(PreviewStrides(255, 256), (Strides{16, 8, 4, 2, 1})); // 16 x 16, edges included
-    EXPECT_EQ(PreviewStrides(240, 256), (Strides{8, 4, 2, 1}));     // 15 x 16 are too few
-    EXPECT_EQ(PreviewStrides(320, 240), (Strides{16, 8, 4, 2, 1}));
+    EXPECT_EQ(PreviewStrides(127, 128), (Strides{16, 8, 4, 2, 1})); // 8 x 8, edges included
+    EXPECT_EQ(PreviewStrides(112, 128), (Strides{8, 4, 2, 1}));     // 7 x 8 are too few
+    EXPECT_EQ(PreviewStrides(320, 240), (Strides{32, 16, 8, 4, 2, 1}));
     EXPECT_EQ(PreviewStrides(1920, 1080), (Strides{64, 32, 16, 8, 4, 2, 1}));
     EXPECT_EQ(PreviewStrides(20000, 10000), (Strides{64, 32, 16, 8, 4, 2, 1})) << "no coarser";
 }

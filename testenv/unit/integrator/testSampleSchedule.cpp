@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <utility>
 
 namespace hds::test {
 namespace {
@@ -353,8 +355,44 @@ TEST(SampleSchedule, AnotherSizeHasOtherPixels) {
     options.imageHeight = 40;
     schedule.Begin(options, {});
     EXPECT_EQ(schedule.AllPixels(), MakePixelOrder(9, 40));
+    EXPECT_EQ(schedule.Pixels(PixelList::Active), MakePixelOrder(9, 40));
     EXPECT_EQ(schedule.Pixels(PixelList::Preview),
               MakePreviewOrder(MakePixelOrder(9, 40), 9, 40).pixels);
+}
+
+TEST(SampleSchedule, ListsOfTheSameNumberAreTheSame) {
+    std::map<std::uint64_t, std::vector<std::uint32_t>> lists;
+    SampleSchedule schedule;
+    const auto look = [&] {
+        for (const PixelList list : {PixelList::Preview, PixelList::Late, PixelList::Active}) {
+            const auto& pixels = schedule.Pixels(list);
+            EXPECT_EQ(lists.try_emplace(schedule.NumberOf(list), pixels).first->second, pixels);
+        }
+        EXPECT_EQ(lists.try_emplace(schedule.NumberOfAll(), schedule.AllPixels()).first->second,
+                  schedule.AllPixels());
+    };
+    RenderOptions options = Options(70, true);
+    options.noise = 0.1;
+    schedule.Begin(options, {});
+    look();
+    const std::uint64_t preview = schedule.NumberOf(PixelList::Preview);
+    EXPECT_EQ(schedule.NumberOf(PixelList::Active), schedule.NumberOfAll()) << "one list";
+    schedule.Begin(options, {Sums(32, 48)});
+    look();
+    std::vector<float> errors(360, 0.2F);
+    for (const std::size_t met : {std::size_t{3}, std::size_t{5}}) {
+        errors[met] = 0.0F;
+        EXPECT_TRUE(schedule.Drop(errors));
+        look();
+        errors.assign(359, 0.2F);
+    }
+    schedule.Begin(options, {});
+    look();
+    EXPECT_EQ(schedule.NumberOf(PixelList::Preview), preview) << "of the same image";
+    std::swap(options.imageWidth, options.imageHeight);
+    schedule.Begin(options, {});
+    look();
+    EXPECT_NE(schedule.NumberOf(PixelList::Preview), preview);
 }
 
 TEST(SampleSchedule, ProgressIsOfTheSamplesThatTheFilmLacked) {

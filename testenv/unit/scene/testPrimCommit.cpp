@@ -45,15 +45,8 @@ SceneDescription MakeScene() {
     add("/lamp", "/glow", 4.0);
     add("/none", "/red", 6.0);
     scene.geometry["/none"].placement.visible = false;
-    InstancerPrim many;
-    many.instanceTransforms.translations = std::vector<float>{0, 1, 0, 0, 2, 0, 0, 3, 0};
-    scene.instancers["/many"] = many;
     add("/many/leaf", "/red", 0.0);
-    scene.geometry["/many/leaf"].placement.instancerPath = "/many";
-    scene.geometry["/many/leaf"].placement.instances = std::vector<std::int32_t>{0, 2};
-    LightPrim sun;
-    sun.light.type = LightType::Distant;
-    scene.lights["/sun"] = sun;
+    test::AddInstancesAndSun("/many", scene.geometry["/many/leaf"], &scene);
     return scene;
 }
 
@@ -122,6 +115,32 @@ protected:
     std::unique_ptr<CommittedScene> kept;  ///< by the cache
     std::unique_ptr<CommittedScene> first; ///< by one that counts no edits
 };
+
+TEST_F(PrimCommitTest, NumbersOfMaterialsLeaveIt) {
+    const auto give = [&](const char* path, std::shared_ptr<const MaterialNetwork> network) {
+        scene.materials[path] = std::move(network);
+        cache.prims->recoloured.insert(path);
+        return CommitBoth();
+    };
+    EXPECT_TRUE(give("/red", test::MakeMaterial(0.7F, 0.2F, 0.1F)));
+    ExpectSameTables();
+    EXPECT_TRUE(give("/blue", test::MakeMaterial(0.2F, 0.2F, 0.9F)));
+    ExpectSameTables();
+    EXPECT_FALSE(give("/glow", test::MakeMaterial(0.2F, 0.2F, 0.9F, 2.0F))) << "lights";
+    ExpectSameTables();
+    EXPECT_FALSE(give("/red", test::MakeMaterial(0.7F, 0.2F, 0.1F, 1.0F))) << "begins to glow";
+    ExpectSameTables();
+    EXPECT_FALSE(give("/red", test::MakeMaterial(0.7F, 0.2F, 0.1F)));
+    EXPECT_TRUE(give("/red", test::MakeMaterial(0.6F, 0.2F, 0.1F)));
+    EXPECT_FALSE(give("/red", test::MakeAmountReader())) << "reads a primvar";
+    ExpectSameTables();
+    EXPECT_FALSE(give("/red", scene.materials["/blue"]));
+    ExpectSameTables();
+    EXPECT_FALSE(give("/red", test::MakeMaterial(0.6F, 0.2F, 0.1F))) << "has blue's record";
+    ExpectSameTables();
+    scene.volumes["/smoke"];
+    EXPECT_FALSE(give("/red", test::MakeMaterial(0.5F, 0.2F, 0.1F))) << "what fills a volume";
+}
 
 TEST_F(PrimCommitTest, PlacesAndLightsLeaveIt) {
     const std::vector<std::function<void()>> edits = {

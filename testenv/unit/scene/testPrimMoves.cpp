@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables that are mended where prims move, go and come back, against first commits of the same
-// scene.
+// Tables that are mended where prims move, go and come back, and where materials and lights get
+// other numbers, against first commits of the same scene.
 #include "hdStream/scene/primCommit.h"
 #include "testenv/support/sessionScene.h"
 #include "testenv/unit/accel/bvhCheck.h"
@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <random>
 
 namespace hds {
@@ -41,16 +42,8 @@ SceneDescription MakeScene(int numMeshes) {
         prim.primId = i;
         scene.geometry[Path(i)] = prim;
     }
-    InstancerPrim many;
-    many.instanceTransforms.translations = std::vector<float>{0, 1, 0, 0, 2, 0, 0, 3, 0};
-    scene.instancers["/grid/mesh110/many"] = many;
-    prim.placement.instancerPath = "/grid/mesh110/many";
-    prim.placement.instances = std::vector<std::int32_t>{0, 2};
     prim.primId = numMeshes;
-    scene.geometry["/grid/mesh110/many/leaf"] = prim;
-    LightPrim sun;
-    sun.light.type = LightType::Distant;
-    scene.lights["/sun"] = sun;
+    test::AddInstancesAndSun("/grid/mesh110/many", prim, &scene);
     return scene;
 }
 
@@ -74,6 +67,18 @@ protected:
         instances = mended->instances;
         byPath = mended->instancesByPath;
         objects = mended->objects;
+        materials = mended->materials;
+        lights = mended->lights;
+    }
+
+    void Recolour(const std::string& path, int shade) {
+        scene.materials[path] = test::MakeMaterial(0.1F * float(shade), 0.4F, 0.2F);
+        cache.prims->recoloured.insert(path);
+    }
+
+    void Brighten(float intensity) {
+        scene.lights["/sun"].light.intensity = intensity;
+        edits.areLights = true;
     }
 
     void Reshape(const std::string& path, float bump) {
@@ -82,7 +87,7 @@ protected:
     }
 
     GeometryPrim& Edit(const std::string& path) {
-        moved.insert(path);
+        edits.prims.insert(path);
         return scene.geometry.at(path);
     }
 
@@ -90,8 +95,8 @@ protected:
     bool Mend() {
         PlaceChanges changes;
         const bool isMended =
-            cache.prims->Mend(moved, mended.get(), &changes, {}) == PrimCommit::Reshaped::Done;
-        moved.clear();
+            cache.prims->Mend(edits, mended.get(), &changes, {}) == PrimCommit::Reshaped::Done;
+        edits = {};
         if (!isMended) {
             Commit();
             return false;
@@ -107,11 +112,45 @@ protected:
         for (const std::uint32_t record : changes.instances) {
             instances[record] = mended->instances[record];
         }
+        for (const std::uint32_t record : changes.materials) {
+            materials[record] = mended->materials[record];
+        }
+        lights = changes.areLights ? mended->lights : lights;
         return true;
+    }
+
+    /// The material of a prim.
+    static const shared::HdsMaterial& MaterialOf(const CommittedScene& committed,
+                                                 const std::vector<shared::HdsMaterial>& records,
+                                                 std::uint32_t prim) {
+        return records[committed.primMaterials[committed.prims[prim].materialBase]];
+    }
+
+    void ExpectLooksAsCommitted(const CommittedScene& first) const {
+        std::map<std::int32_t, std::vector<std::uint32_t>> primsOfId;
+        for (std::uint32_t prim = 0; prim < first.prims.size(); ++prim) {
+            primsOfId[first.prims[prim].primId].push_back(prim);
+        }
+        for (std::uint32_t prim = 0; prim < mended->prims.size(); ++prim) {
+            const std::vector<std::uint32_t>& others = primsOfId[mended->prims[prim].primId];
+            if (others.size() != 1) {
+                continue; // hidden, or numbered by their order
+            }
+            EXPECT_EQ(std::memcmp(&MaterialOf(*mended, materials, prim),
+                                  &MaterialOf(first, first.materials, others[0]),
+                                  sizeof(shared::HdsMaterial)),
+                      0)
+                << prim;
+        }
+        ASSERT_EQ(lights->lights.size(), first.lights->lights.size());
+        EXPECT_EQ(std::memcmp(lights->lights.data(), first.lights->lights.data(),
+                              lights->lights.size() * sizeof(shared::HdsLight)),
+                  0);
     }
 
     void ExpectAsCommitted() {
         const auto first = CommitScene(scene, options, &other, warnings);
+        ExpectLooksAsCommitted(*first);
         EXPECT_EQ(mended->centre, first->centre);
         EXPECT_EQ(mended->counts.meshes, first->counts.meshes);
         EXPECT_EQ(mended->counts.triangles, first->counts.triangles);
@@ -173,11 +212,13 @@ protected:
     CommitCache cache{warnings};
     CommitCache other{warnings};
     std::unique_ptr<CommittedScene> mended;
-    std::set<std::string> moved;
+    PrimCommit::Edits edits;
     HugeVector<shared::HdsBvhNode> nodes;
     HugeVector<shared::HdsInstance> instances;
     HugeVector<std::uint32_t> byPath;
     std::vector<shared::HdsObject> objects;
+    std::vector<shared::HdsMaterial> materials;
+    std::shared_ptr<const LightTable> lights;
 };
 
 TEST_F(PrimMoves, RandomChainsAreAsCommitted) {
@@ -199,6 +240,12 @@ TEST_F(PrimMoves, RandomChainsAreAsCommitted) {
                     glm::rotate(Move(0.3 * below(100), 0.1 * below(20), 0.3 * below(60)),
                                 0.1 * below(60), glm::dvec3(1.0, 2.0, 0.5));
             }
+        }
+        if (below(4) == 0) {
+            Recolour(below(2) == 0 ? "/red" : "/blue", below(12));
+        }
+        if (below(4) == 0) {
+            Brighten(float(1 + below(9)));
         }
         numMended += Mend() ? 1 : 0;
         ExpectAsCommitted();
@@ -258,6 +305,19 @@ TEST_F(PrimMoves, WhatDoesNotGoThisWayIsCommitted) {
          [&] {
              Edit(Path(7)).placement.samples = {{0.0, glm::dmat4(1.0)}, {1.0, Move(0, 1, 0)}};
          }},
+        {"many", [] {},
+         [&] {
+             for (int i = 0; i < 9; ++i) {
+                 Edit(Path(i)).placement.worldFromObject = Move(0.5, 0.5, 3.0 * i);
+             }
+         }},
+        {"begins to glow", [] {},
+         [&] {
+             Recolour("/red", 3);
+             scene.materials["/red"] = test::MakeMaterial(0.1F, 0.1F, 0.1F, 4.0F);
+         }},
+        {"a record of two materials", [&] { scene.materials["/blue"] = scene.materials["/red"]; },
+         [&] { Recolour("/red", 3); }},
     };
     for (const Case& one : cases) {
         scene = MakeScene(60);
@@ -271,6 +331,35 @@ TEST_F(PrimMoves, WhatDoesNotGoThisWayIsCommitted) {
         EXPECT_FALSE(Mend()) << one.name;
         ExpectAsCommitted();
     }
+}
+
+TEST_F(PrimMoves, LooksAreMendedWhereverInstancesLie) {
+    options.instanceChunks = 1;
+    ++cache.contentVersion;
+    Commit();
+    ASSERT_TRUE(mended->hasInstanceChunks);
+    for (int shade = 0; shade < 5; ++shade) {
+        Recolour("/red", shade);
+        Brighten(2.0F + float(shade));
+        EXPECT_TRUE(Mend());
+        ExpectLooksAsCommitted(*CommitScene(scene, options, &other, warnings));
+    }
+    Edit(Path(7)).placement.worldFromObject = Move(1.0, 1.0, 0.0);
+    EXPECT_FALSE(Mend()) << "of places alone";
+}
+
+TEST_F(PrimMoves, WhoCancelsLeavesAllAsItWas) {
+    Reshape(Path(7), 0.5F);
+    Edit(Path(9)).placement.visible = false;
+    Recolour("/red", 5);
+    PlaceChanges changes;
+    const std::uint64_t numTriangles = mended->counts.triangles;
+    EXPECT_EQ(cache.prims->Mend(edits, mended.get(), &changes, [] { return true; }),
+              PrimCommit::Reshaped::Cancelled);
+    EXPECT_EQ(mended->counts.triangles, numTriangles);
+    EXPECT_TRUE(changes.materials.empty());
+    EXPECT_TRUE(Mend());
+    ExpectAsCommitted();
 }
 
 TEST_F(PrimMoves, WhatIsNotDrawnMayBeMoved) {
