@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
+from cliCase import SCENE, SMALL, AssertFails, Run, RunHere, WriteStage
 
 
 @pytest.mark.parametrize("arguments, part", [
@@ -111,6 +111,26 @@ def test_missing_and_unreadable_stages(tmp_path, command):
     AssertFails(RunHere(command, tmp_path, *output), 1, tmp_path)
     os.mkfifo(tmp_path / "pipe.usda")  # nobody writes into it
     AssertFails(Run(command, tmp_path / "pipe.usda", *output), 1, "pipe.usda", "is not a file")
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="pipes are found by what Linux says of threads")
+@pytest.mark.parametrize("command", ["record", "info"])
+def test_layers_that_are_pipes_are_not_waited_for(tmp_path, command):
+    """Nobody writes into them. What else there is, is drawn."""
+    for name in ("below.usda", "prop.usd", "late.usdc", "look.mtlx"):
+        os.mkfifo(tmp_path / name)
+    body = SCENE + """def "Prop" (references = @./prop.usd@) { }
+def "Late" (payload = @./late.usdc@</A>) { }
+def "Look" (references = @./look.mtlx@</MaterialX>) { }
+"""
+    stage = WriteStage(tmp_path, body, header="(subLayers = [@./below.usda@])")
+    result = Run(command, stage, *([tmp_path / "o.exr", *SMALL] if command == "record" else []))
+    assert result.code == 0, result.text
+    for name in ("below.usda", "prop.usd", "late.usdc"):
+        said = [line for line in result.warnings if f"{name} is a pipe, not a file" in line]
+        assert len(said) == 1, result.text
+    assert [line for line in result.warnings if "look.mtlx" in line], result.text
+    assert command == "info" or (tmp_path / "o.exr").exists()
 
 
 def test_unwritable_output_is_found_before_rendering(tmp_path):

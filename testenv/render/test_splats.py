@@ -185,12 +185,13 @@ def test_no_splat_covers_all(tmp_path):
 
 @pytest.mark.parametrize("rotate", [(0, 0, 0), (20, 35, -10), (-110, 15, 80), (90, 0, 0), (5, 175, 60)])
 def test_colours_are_the_harmonics_of_the_ray_to_float(rotate, tmp_path):
-    """All rays of the camera have one direction, and those that end on the splat bring its colour, whatever its alpha."""
+    """All rays of the camera have one direction, and those that end on the splat bring its colour, whatever its alpha: of a deep
+    picture, where those that pass it bring nothing."""
     stage = NewStage(tmp_path / "a.usda")
     cloud = _Single(2.0, 0.5, np.random.default_rng(3).normal(size=(1, 16, 3)))
     prim = splats.AddSplats(stage, "/World/Splat", cloud, rotate=rotate)
     stage.GetRootLayer().Save()
-    picture = ours.Render(tmp_path / "a.usda", SIZE, SIZE, samples=1, maxDepth=0).layers["color"].astype(np.float64)
+    picture = ours.Render(tmp_path / "a.usda", SIZE, SIZE, samples=1, maxDepth=0, deep=True).layers["color"].astype(np.float64)
     direction = np.array((0.0, 0.0, -1.0)) @ np.linalg.inv(WorldFrom(prim)[:3, :3])
     expected = np.maximum(0, 0.5 + np.einsum("k,kc->c", Harmonics(direction, 3), cloud["coefficients"][0]))
     seen = picture[picture[..., 3] == 1]

@@ -107,6 +107,8 @@ def _ReadDocument(path):
         mx.readFromXmlFile(included, file, folders, options)
         included.setSourceUri(os.path.abspath(folders.find(file).asString()))
 
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise OSError("it is not a file")  # of a pipe the reader would wait for the writer
     options = mx.XmlReadOptions()
     options.readXIncludeFunction = Include
     document = mx.createDocument()

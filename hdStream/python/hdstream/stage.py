@@ -9,6 +9,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, UsageError
 from hdstream.materialXFiles import ReplaceFiles
+from hdstream.pipeWatch import Watched
 
 _MOST_FRAMES = 1_000_000
 _LAST_FRAME = 2 ** 53  # doubles hold every whole number up to it
@@ -28,12 +29,15 @@ def OpenStage(path, maskPaths=()):
             raise UsageError(f"--mask {maskPath}: not an absolute prim path")
         mask.Add(maskPath)
     try:
-        stage = Usd.Stage.OpenMasked(path, mask) if maskPaths else Usd.Stage.Open(path)
+        with Watched() as pipes:
+            stage = Usd.Stage.OpenMasked(path, mask) if maskPaths else Usd.Stage.Open(path)
     except TfError as error:
         causes = [text for text in MessagesOf(error) if not text.startswith("Failed to open layer")]
         raise CommandError(f"{path}: not a USD stage: {causes[0] if causes else 'cannot be read'}") from None
     if not stage:
         raise CommandError(f"{path}: not a USD stage")
+    for file in pipes.paths:
+        Tf.Warn(f"{file} is a pipe, not a file: nothing is read of it")
     for file, problem in ReplaceFiles(stage):
         Tf.Warn(f"{file} {problem}")
     return stage

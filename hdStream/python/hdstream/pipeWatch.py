@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layers that are pipes: OpenUSD would wait for a writer, and with it the command, without a word.
+
+Nobody knows what a stage refers to before OpenUSD has read it. So a thread looks, while a stage is opened, in which system
+call the others are (Linux; elsewhere it does nothing). A pipe that one of them waits to open is opened for writing and closed
+again: its reader goes on with an empty file, which OpenUSD says is no layer.
+"""
+
+import contextlib
+import os
+import platform
+import stat
+import threading
+
+_SECONDS = 0.5
+_OPEN_CALLS = {"x86_64": ("257",), "aarch64": ("56",)}.get(platform.machine(), ())  # openat(folder, name, ...)
+_MOST_BYTES = 4096  # of a path
+
+
+class Pipes:
+    """The pipes that were met, each path once."""
+
+    def __init__(self):
+        self.paths = []
+        self._isOver = threading.Event()
+
+    def End(self):
+        self._isOver.set()
+
+    def Watch(self):
+        """Until End. Errors are those of threads that have ended or of calls that are over."""
+        while not self._isOver.wait(_SECONDS):
+            for thread in os.listdir("/proc/self/task"):
+                with contextlib.suppress(OSError, ValueError):
+                    self._Release(_OpenedBy(thread))
+
+    def _Release(self, path):
+        if path and stat.S_ISFIFO(os.stat(path).st_mode):
+            os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
+            if path not in self.paths:
+                self.paths.append(path)
+
+
+def _OpenedBy(thread):
+    """What a thread opens, if it does. The name is read by way of the kernel: it may be gone by now."""
+    with open(f"/proc/self/task/{thread}/syscall", encoding="ascii") as file:
+        words = file.read().split()
+    if not words or words[0] not in _OPEN_CALLS:
+        return None
+    with open("/proc/self/mem", "rb", buffering=0) as memory:
+        memory.seek(int(words[2], 16))
+        return os.fsdecode(memory.read(_MOST_BYTES).split(b"\0")[0])
+
+
+@contextlib.contextmanager
+def Watched():
+    """Gives the Pipes that are met in its block."""
+    pipes = Pipes()
+    if not _OPEN_CALLS or not os.access("/proc/self/syscall", os.R_OK):
+        yield pipes
+        return
+    thread = threading.Thread(target=pipes.Watch, daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no more threads are allowed
+        yield pipes
+        return
+    try:
+        yield pipes
+    finally:
+        pipes.End()
+        thread.join()
