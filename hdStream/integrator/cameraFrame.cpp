@@ -239,7 +239,7 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.flags = (camera.orthographic && isOnFilm ? HDS_FRAME_ORTHOGRAPHIC : 0U) |
                    (options.russianRoulette ? HDS_FRAME_ROULETTE : 0U) |
                    (options.glassShadows ? HDS_FRAME_GLASS_SHADOWS : 0U) |
-                   (options.learns ? HDS_FRAME_LEARNS : 0U);
+                   (options.learns ? HDS_FRAME_LEARNS : 0U) | (options.deep ? HDS_FRAME_DEEP : 0U);
     params.imageWidth = options.imageWidth;
     params.imageHeight = options.imageHeight;
     params.seed = options.seed;

@@ -18,6 +18,7 @@
 #define HDS_FRAME_CAMERA_MOVES 4u  /* cameraKeys hold; clip planes are in camera space */
 #define HDS_FRAME_GLASS_SHADOWS 8u /* shadow rays pass materials with HDS_MATERIAL_GLASS */
 #define HDS_FRAME_LEARNS 16u       /* paths are for a guide: holdouts are like other surfaces */
+#define HDS_FRAME_DEEP 32u         /* a sample has its light at one depth */
 
 /* HdsFrameParams.projection: what film coordinates are. */
 #define HDS_PROJECTION_FILM 0u        /* of the plane at distance 1, or of the orthographic film */
