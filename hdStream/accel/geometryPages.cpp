@@ -116,11 +116,14 @@ void PreparedPages::Clear() {
     }
 }
 
-bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
+bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made) {
     std::vector<PreparedPages::Wanted> batch;
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i <= _chunks.size(); ++i) {
         if (i == _chunks.size() || bytes >= kBatchBytes) {
+            if (made != nullptr) {
+                *made = {i - batch.size(), _chunks.size()};
+            }
             if (isCancelled && isCancelled()) {
                 return false;
             }
@@ -137,6 +140,9 @@ bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
             batch.push_back({_chunks[i], {true, true}});
             bytes += BytesOf(*_chunks[i]);
         }
+    }
+    if (made != nullptr) {
+        *made = {_chunks.size(), _chunks.size()};
     }
     return true;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/chunkPages.h"
+#include "hdStream/base/workCount.h"
 #include "hdStream/stream/pageProvider.h"
 
 #include <algorithm>
@@ -85,8 +86,9 @@ public:
     }
 
     /// Prepares all chunks once, so that all sizes are exact; what host memory cannot hold is
-    /// forgotten again. \return false when `isCancelled` said so.
-    bool PrepareAll(const std::function<bool()>& isCancelled);
+    /// forgotten again. \param made chunks of which pages are there, before each question; may be
+    /// null. \return false when `isCancelled` said so.
+    bool PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made = nullptr);
 
     /// Bytes of all pages. \param[out] isExact whether they are no upper bound.
     std::uint64_t TotalBytes(bool* isExact = nullptr) const;

@@ -2,6 +2,7 @@
 // What the integrator needs to know besides the scene.
 #pragma once
 
+#include "hdStream/base/workCount.h"
 #include "hdStream/film/aov.h"
 #include "hdStream/film/deepImage.h"
 #include "hdStream/scene/sceneDescription.h"
@@ -144,6 +145,10 @@ struct Progress {
     /// While the first sample goes from coarse to fine: pixels whose coordinates are multiples of
     /// this have it. 1: all pixels; 0: there is no picture yet.
     std::uint32_t previewStride = 0;
+    /// While the scene is prepared (`fraction` is 0): prims whose geometry is planned, then, where
+    /// all pages are made before the first ray, chunks whose pages are there.
+    WorkCount prims;
+    WorkCount chunks;
 };
 
 /// Return false to stop; what was rendered so far stays in the film.

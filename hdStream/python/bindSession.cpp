@@ -189,13 +189,18 @@ void BindDevices(nb::module_& module) {
     nb::enum_<RenderResult>(module, "RenderResult")
         .value("Complete", RenderResult::Complete)
         .value("Stopped", RenderResult::Stopped);
+    nb::class_<WorkCount>(module, "WorkCount", "How much of some work is done.")
+        .def_ro("done", &WorkCount::done)
+        .def_ro("total", &WorkCount::total);
     nb::class_<Progress>(module, "Progress", "How far a render is.")
         .def_ro("samplesDone", &Progress::samplesDone)
         .def_ro("samplesTotal", &Progress::samplesTotal)
         .def_ro("fraction", &Progress::fraction)
         .def_ro("secondsElapsed", &Progress::secondsElapsed)
         .def_ro("secondsLeft", &Progress::secondsLeft)
-        .def_ro("previewStride", &Progress::previewStride);
+        .def_ro("previewStride", &Progress::previewStride)
+        .def_ro("prims", &Progress::prims)
+        .def_ro("chunks", &Progress::chunks);
 }
 
 } // namespace

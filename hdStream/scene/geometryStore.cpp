@@ -72,6 +72,8 @@ GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
     std::vector<std::shared_ptr<const PlannedGeometry>> planned(prims.size());
     std::atomic<bool> isStopped{false};
     const std::thread::id caller = std::this_thread::get_id();
+    _numPlanned = 0;
+    _numToPlan = prims.size();
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, prims.size(), kGrain),
         [&](const tbb::blocked_range<std::size_t>& range) {
@@ -84,6 +86,7 @@ GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
                                                     : std::shared_ptr<const void>();
                 planned[i] = std::make_shared<const PlannedGeometry>(
                     PlanGeometry(*prims[i].first, prims[i].second, _pageStore, warnings, _sources));
+                ++_numPlanned;
             }
         });
     return planned;

@@ -3,9 +3,12 @@
 // has changed.
 #pragma once
 
+#include "hdStream/base/workCount.h"
 #include "hdStream/scene/closedMeshes.h"
 #include "hdStream/scene/geometryCommit.h"
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -109,6 +112,11 @@ public:
     /// About the bytes of what is known of the chunks, without pages and sources.
     std::uint64_t Bytes() const { return _bytes; }
 
+    /// Of the last Plan, or of one that goes on. Any thread.
+    WorkCount Planned() const { return {_numPlanned, _numToPlan}; }
+    /// Until the next Plan there is none.
+    void ForgetPlanned() { _numPlanned = _numToPlan = 0; }
+
     /// Prims whose geometry was planned since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 
@@ -129,6 +137,8 @@ private:
     std::vector<const PlannedGeometry*> _drawn; ///< in the order of Prepare's `drawn`
     std::uint64_t _bytes = 0;                   ///< of `_items`
     std::uint64_t _numPrepared = 0;
+    mutable std::atomic<std::uint64_t> _numPlanned{0}; ///< of the last Plan
+    mutable std::atomic<std::uint64_t> _numToPlan{0};
 };
 
 } // namespace hds

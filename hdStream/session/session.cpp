@@ -193,7 +193,7 @@ struct Session::Impl {
             statistics.keptArrays = sizes.Arrays();
             const bool isEager =
                 key.residency.preparesAll || tracer->NeedsAllPages(*scene, key.residency);
-            if (isEager && !scene->pages->PrepareAll(isCancelled)) {
+            if (isEager && !scene->pages->PrepareAll(isCancelled, &chunksMade)) {
                 return Result::Cancelled;
             }
         }
@@ -247,7 +247,7 @@ struct Session::Impl {
         residency.preparesAll = residency.preparesAll ||
                                 RaysPayForAllPages(*next, options, residency, device->Properties());
         const bool isEager = residency.preparesAll || tracer->NeedsAllPages(*next, residency);
-        if (isEager && !next->pages->PrepareAll(isCancelled)) {
+        if (isEager && !next->pages->PrepareAll(isCancelled, &chunksMade)) {
             return false;
         }
         if (!tracer->SetScene(*next, residency)) {
@@ -289,6 +289,8 @@ struct Session::Impl {
         statistics.primsMended = 0;
         cache.pages.BeginStatistics();
         cache.geometry.Sources().BeginPeak();
+        cache.geometry.ForgetPlanned();
+        chunksMade = {};
         statistics.arrayBytesReadBefore = ArraySource::Counts().readBytes;
         device->BeginPeak();
         if (tracer) {
@@ -308,6 +310,8 @@ struct Session::Impl {
         const CancelCallback isCancelled = [&] {
             Progress progress;
             progress.samplesTotal = settings.samples;
+            progress.prims = cache.geometry.Planned();
+            progress.chunks = chunksMade;
             return onProgress && !onProgress(progress);
         };
         RenderOptions options = MakeRenderOptions(settings, camera);
@@ -368,6 +372,7 @@ struct Session::Impl {
     bool isMended = false;              ///< `scene` is, since its commit
     std::unique_ptr<PathTracer> tracer;
     bool hasFilm = false;  ///< the tracer has begun a render
+    WorkCount chunksMade;  ///< before the first ray of the present one
     bool isOpaque = false; ///< the background of the present render
     std::unique_ptr<Denoiser> denoiser;
     std::vector<std::string> denoisedAovs; ///< of the present render; empty: it is not denoised

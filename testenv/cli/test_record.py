@@ -290,6 +290,28 @@ def test_what_is_begun_is_shown_however_soon_it_follows(monkeypatch, capsys):
     assert [shown.count(what) for what in ("first", "second")] == [1, 2]
 
 
+def test_the_bar_says_how_much_is_left_before_samples(monkeypatch, capsys):
+    from types import SimpleNamespace
+
+    from hdstream import progress as module
+    monkeypatch.setenv("HDSTREAM_PROGRESS", "1")
+    now = [100.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+
+    def Count(done, total):
+        return SimpleNamespace(done=done, total=total)
+
+    with module.ProgressBar(False) as bar:
+        for prims, chunks in (((0, 400), (0, 0)), ((100, 400), (0, 0)), ((400, 400), (0, 0)), ((400, 400), (20, 200))):
+            bar.Prepare(SimpleNamespace(prims=Count(*prims), chunks=Count(*chunks)))
+            now[0] += 10.0
+    shown = capsys.readouterr().err.split("\r")[1:]
+    assert "planning prims: 0 of 400" in shown[0] and "left" not in shown[0]
+    assert " 25% " in shown[1] and "planning prims: 100 of 400, 30" in shown[1] and "left" in shown[1]
+    assert "preparing the scene" in shown[2]
+    assert " 10% " in shown[3] and "making pages of chunks: 20 of 200" in shown[3]
+
+
 def test_framed_and_default_lit_stage(tmp_path):
     """Without camera and light: framed, lit by the default dome, and one warning says so."""
     result = Run("record", WriteStage(tmp_path, TRIANGLE), tmp_path / "o.exr", *SMALL)

@@ -84,6 +84,35 @@ def test_progress_and_cancelling(stage):
     assert renderer.Render(**SMALL).isComplete, "it may go on"
 
 
+@pytest.mark.parametrize("prepare", ["lazy", "eager"])
+def test_progress_says_how_much_is_prepared(tmp_path, prepare):
+    """Prims that are planned, then, where all pages are made first, chunks whose pages are there."""
+    import hdstream
+    from pxr import Usd, UsdGeom
+    numPrims = 3000
+    stage = Usd.Stage.CreateInMemory()
+    for i in range(numPrims):
+        mesh = UsdGeom.Mesh.Define(stage, f"/mesh{i}")
+        mesh.CreatePointsAttr([(i, 0, 0), (i + 0.5, 0, 0), (i, 1, 0)])
+        mesh.CreateFaceVertexCountsAttr([3])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    prims, chunks = [], []
+
+    def OnProgress(progress):
+        if progress.fraction == 0:
+            prims.append((progress.prims.done, progress.prims.total))
+            chunks.append((progress.chunks.done, progress.chunks.total))
+        else:
+            assert progress.prims.total == progress.chunks.total == 0
+
+    hdstream.Renderer(stage).Render(onProgress=OnProgress,
+                                  **{**SMALL, "prepare": prepare, "residency": "stream", "noCache": True})
+    assert prims == sorted(prims) and {total for _, total in prims} == {numPrims}
+    assert len({done for done, _ in prims}) > 2 and prims[-1][0] == numPrims, "some are done, then all"
+    assert {total for _, total in chunks} == ({0} if prepare == "lazy" else {0, numPrims})
+    assert all(done <= total for done, total in chunks)
+
+
 def test_exceptions_of_the_callback_come_through(stage):
     import hdstream
 

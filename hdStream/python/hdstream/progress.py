@@ -26,6 +26,7 @@ class ProgressBar:
         self._length = 0
         self._start = time.monotonic()
         self._beginning = ""  # what of `Begin` was said last, until there are samples
+        self._beginningStart = 0.0
 
     def __enter__(self):
         return self
@@ -33,12 +34,27 @@ class ProgressBar:
     def __exit__(self, *_):
         self.Clear()
 
-    def Begin(self, what):
-        """What is done before there is a share of it to show; may be called again while it goes on."""
+    def Begin(self, what, done=0, total=0):
+        """What is done before there are samples, and how much of it, if that is known; may be called again while it goes on."""
+        now = time.monotonic()
         if what != self._beginning or not self._length:
+            self._beginningStart = self._beginningStart if what == self._beginning else now
             self._beginning = what
             self._lastDraw = 0.0  # it may be said only once, soon after something else
-        self.Show(0.0, f"{what}, {SecondsText(time.monotonic() - self._start)}")
+        if not total:
+            self.Show(0.0, f"{what}, {SecondsText(now - self._start)}")
+            return
+        left = (now - self._beginningStart) * (total - done) / done if done else None
+        text = f", {SecondsText(left)} left" if left is not None else ""
+        self.Show(done / total, f"{what}: {done} of {total}{text}")
+
+    def Prepare(self, progress):
+        """What is done for a scene before there are samples."""
+        for what, count in (("making pages of chunks", progress.chunks), ("planning prims", progress.prims)):
+            if count.done < count.total:
+                self.Begin(what, count.done, count.total)
+                return
+        self.Begin("preparing the scene")
 
     def Update(self, progress):
         if self._beginning:

@@ -73,7 +73,7 @@ class Recorder:
 
         def OnProgress(progress):
             if progress.fraction == 0 and not isStopping.is_set():
-                self._progress.Begin("preparing the scene")
+                self._progress.Prepare(progress)
             if progress.fraction > 0 and not isPrepared.is_set():  # 0 while the scene is prepared
                 isPrepared.set()
                 self._warn.Flush()

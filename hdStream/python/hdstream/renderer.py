@@ -85,7 +85,9 @@ class Renderer:
         onProgress : callable, optional
             Called on this thread after each wave of rays with an object of `samplesDone`, `samplesTotal` (per pixel),
             `fraction` (of all work, 0 to 1), `secondsElapsed`, `secondsLeft` (an estimate) and `previewStride` (0 until
-            every pixel has a sample). Returning `False` cancels; an exception cancels and is raised.
+            every pixel has a sample). While the scene is prepared `fraction` is 0, and `prims` (that are planned) and
+            `chunks` (whose pages are made, where all are before the first ray) have `done` and `total`, 0 where there
+            is nothing to say. Returning `False` cancels; an exception cancels and is raised.
         **settings
             As `Prepare`.
 
