@@ -3,7 +3,7 @@
 
 #include "hdStream/shading/closureParts.h"
 #include "hdStream/shading/closureReflectance.h"
-#include "hdStream/shading/emissionForm.h"
+#include "hdStream/shading/patternNode.h"
 #include "hdStream/shading/shaderMath.h"
 
 #include <algorithm>
@@ -306,12 +306,15 @@ bool TryPutOn(const ClosureSlab& top, ClosureSlab* base) {
     return true;
 }
 
-/// How often what lies on top is chosen: about as much as it reflects.
-ShaderValue CoverShare(const LayeredMaterial& top) {
-    const ShaderValue least = MakeScalar(0.1F);
+/// How often what lies on top of `numBelow` slabs is chosen: about as much as it reflects of light
+/// from all sides, and often enough for what it reflects at the rims. Not what it reflects towards
+/// the viewer: shares of constants are constants, and programs stay short however many layers there
+/// are.
+ShaderValue CoverShare(const LayeredMaterial& top, std::size_t numBelow) {
+    const ShaderValue least = MakeScalar(std::min(0.25F, 1.0F / static_cast<float>(numBelow + 1)));
     const ShaderValue most = MakeScalar(0.9F);
     if (!Has(top, HDS_INPUT_SPECULAR_WEIGHT)) {
-        return MakeScalar(0.25F);
+        return least;
     }
     const ShaderValue third = MakeConstant({1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F}, 3);
     const ShaderValue index = ValueOf(top, HDS_INPUT_IOR);
@@ -321,13 +324,8 @@ ShaderValue CoverShare(const LayeredMaterial& top) {
         top.values[HDS_INPUT_SCHLICK_EXPONENT]
             ? MakeMath(HDS_MATH_DOT, {ValueOf(top, HDS_INPUT_SCHLICK_COLOR), third}, 1)
             : Multiply(root, root, 1);
-    const ShaderValue reflected = SchlickEmission(front, One(), MakeScalar(5.0F));
+    const ShaderValue reflected = Mix(front, One(), MakeScalar(1.0F / 21.0F), 1); // of (1 - cos)^5
     return MakeMath(HDS_MATH_MIN, {MakeMath(HDS_MATH_MAX, {reflected, least}, 1), most}, 1);
-}
-
-/// 1 where the viewer is outside of the surface, 0 inside.
-ShaderValue IsSeenFromOutside() {
-    return MakeMath(HDS_MATH_GREATER, {ViewCosine(), Zero()}, 1);
 }
 
 /// Whether from its inside nothing is seen of what lies on it.
@@ -335,16 +333,28 @@ bool HasInside(const ClosureSlab& base) {
     return base.isCovered || Has(base.layered, HDS_INPUT_TRANSMISSION);
 }
 
+/// 0 inside of glass, as layered_setup has it, else 1. \pre HasInside
+ShaderValue IsSeenFromOutside(const ClosureSlab& base) {
+    if (base.isCovered) {
+        return base.isCovered;
+    }
+    ShaderValue inside = MakeGeometry(ShaderExpression::Kind::Inside, 0);
+    inside.numComponents = 1;
+    const ShaderValue isGlass =
+        MakeMath(HDS_MATH_GREATER, {ValueOf(base.layered, HDS_INPUT_TRANSMISSION), Zero()}, 1);
+    return OneMinus(Multiply(inside, isGlass, 1), 1);
+}
+
 /// Both, of which each hit takes one: what is chosen below gets what is left there by what lies on
 /// it (HDS_INPUT_COVER).
-ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base) {
+ClosureSlabs CoverOne(ClosureSlab top, ClosureSlab base, std::size_t numBelow) {
     if (IsNothing(base.layered)) {
         top.share = base.share;
         return {top};
     }
-    ShaderValue part = CoverShare(top.layered);
+    ShaderValue part = CoverShare(top.layered, numBelow);
     if (HasInside(base)) {
-        base.isCovered = IsSeenFromOutside();
+        base.isCovered = IsSeenFromOutside(base);
         part = Multiply(part, base.isCovered, 1);
     }
     const ShaderValue rest = OneMinus(part, 1);
@@ -378,7 +388,7 @@ ClosureSlabs SpreadOver(const ClosureSlab& upper, const ClosureSlabs& below) {
         ClosureSlab copy = upper;
         copy.share = Multiply(copy.share, lower.share, 1);
         if (HasInside(lower)) {
-            copy.isCovered = IsSeenFromOutside();
+            copy.isCovered = IsSeenFromOutside(lower);
             copy.factor = Multiply(copy.factor, copy.isCovered, 3);
         }
         spread.push_back(std::move(copy));
@@ -386,8 +396,8 @@ ClosureSlabs SpreadOver(const ClosureSlab& upper, const ClosureSlabs& below) {
     return spread;
 }
 
-/// One slab on another.
-ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base) {
+/// One slab on another, which is one of `numBelow`.
+ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, std::size_t numBelow) {
     if (IsNothing(top.layered)) {
         return {base};
     }
@@ -398,11 +408,11 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base) {
             return {both};
         }
         if (!IsWhiteMetal(top.layered)) {
-            return CoverOne(reflection, std::move(base));
+            return CoverOne(reflection, std::move(base), numBelow);
         }
     }
     if (IsSeeThrough(top.layered)) {
-        return TryPutOn(top, &base) ? ClosureSlabs{base} : CoverOne(top, std::move(base));
+        return TryPutOn(top, &base) ? ClosureSlabs{base} : CoverOne(top, std::move(base), numBelow);
     }
     // Whatever else lies on top lets nothing through where it is.
     ClosureSlab opaque = top;
@@ -411,7 +421,7 @@ ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base) {
         opaque.layered.values[HDS_INPUT_METALLIC] = One();
         if (!top.covers.empty()) { // they lie on all of it, and on what is beside the metal
             if (HasInside(base)) {
-                base.isCovered = IsSeenFromOutside();
+                base.isCovered = IsSeenFromOutside(base);
             }
             base.covers.insert(base.covers.end(), top.covers.begin(), top.covers.end());
             base.factor = Multiply(base.factor, top.scale, 3);
@@ -485,7 +495,7 @@ ClosureSlabs LayerSlabs(const ClosureSlabs& top, const ClosureSlabs& base) {
             continue;
         }
         for (const ClosureSlab& lower : below) {
-            Append(LayerOne(upper, lower), upper.share, &all);
+            Append(LayerOne(upper, lower, below.size()), upper.share, &all);
         }
     }
     return Merge(std::move(all));

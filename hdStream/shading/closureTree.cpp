@@ -332,7 +332,8 @@ private:
     }
 
     NetworkEvaluator& _network;
-    bool _isThin; ///< of a thin wall
+    bool _isThin;        ///< of a thin wall
+    bool _isCut = false; ///< there is a warning of too many closures
     NodeWalk<ClosureSlabs> _bsdfs;
     NodeWalk<ShaderValue> _edfs;
 };
@@ -389,12 +390,14 @@ const Type* FindType(const Type (&types)[kCount], const MaterialNode* node) {
     return found == std::end(types) ? nullptr : found;
 }
 
-/// The first of a node's slabs.
+/// The first of a node's slabs. \param[in,out] isTold whether there is a warning
 ClosureSlabs AtMost(std::size_t count, ClosureSlabs slabs, const MaterialNode& node,
-                    NetworkEvaluator& network) {
+                    NetworkEvaluator& network, bool* isTold) {
     if (slabs.size() > count) {
-        network.Warn(node.path + ": only the first " + std::to_string(count) + " of its " +
-                     std::to_string(slabs.size()) + " closures are drawn");
+        if (!std::exchange(*isTold, true)) {
+            network.Warn(node.path + ": only the first " + std::to_string(count) + " of its " +
+                         std::to_string(slabs.size()) + " closures are drawn");
+        }
         slabs.resize(count);
     }
     return slabs;
@@ -408,7 +411,7 @@ ClosureSlabs ClosureReader::Bsdf(const MaterialNode& node, const std::string& in
         return {};
     }
     const auto slabs = _bsdfs.Visit(*source, [&] {
-        return AtMost(kMaxSlabs, (this->*type->read)(*source), *source, _network);
+        return AtMost(kMaxSlabs, (this->*type->read)(*source), *source, _network, &_isCut);
     });
     if (!slabs) {
         _network.Warn(_bsdfs.EndText(node));
@@ -515,8 +518,9 @@ WholeSurface ReadMix(NetworkEvaluator& network, const MaterialNode& node, Surfac
         both.emission = Mix(ClosureReader::OrBlack(back.emission),
                             ClosureReader::OrBlack(front.emission), part, 3);
     }
+    bool isTold = false;
     both.slabs = AtMost(kMaxSlabs, MixSlabs(std::move(back.slabs), std::move(front.slabs), part),
-                        node, network);
+                        node, network, &isTold);
     return both;
 }
 

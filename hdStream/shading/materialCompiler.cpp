@@ -407,6 +407,15 @@ bool HasConstantEmission(const shared::HdsMaterial& material) {
 
 namespace {
 
+/// Whether a displacement of MaterialX stands beside the surface.
+bool HasOwnDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network) {
+    const auto terminal = network.terminals.find("displacement");
+    const MaterialNode* node = terminal == network.terminals.end()
+                                   ? nullptr
+                                   : evaluator.FindNode(terminal->second.upstreamPath);
+    return node != nullptr && node->identifier.rfind("ND_displacement", 0) == 0;
+}
+
 /// Of the terminal "surface".
 CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::string& materialPath,
                                 const ImageQueries& images, Warnings& warnings) {
@@ -450,8 +459,12 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
     }
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
-    SetDisplacement(evaluator.Evaluate(*surface, "displacement"), evaluator.Textures(),
-                    materialPath, warnings, &material);
+    if (HasOwnDisplacement(evaluator, network)) {
+        SetMaterialXDisplacement(evaluator, network, materialPath, warnings, &material);
+    } else {
+        SetDisplacement(evaluator.Evaluate(*surface, "displacement"), evaluator.Textures(),
+                        materialPath, warnings, &material);
+    }
     return material;
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <utility>
@@ -51,11 +52,35 @@ void CountUses(const ShaderExpression& expression, UseCounts* counts) {
     }
 }
 
+/// What has been searched: nodes are shared, and there may be exponentially many ways to one.
+using Searched = std::set<const ShaderExpression*>;
+
+/// Whether a node of one of the kinds is the expression or below it.
+bool HasKind(const ShaderExpression& expression, std::initializer_list<Kind> kinds,
+             Searched* searched) {
+    return searched->insert(&expression).second &&
+           (std::count(kinds.begin(), kinds.end(), expression.kind) > 0 ||
+            std::any_of(
+                expression.operands.begin(), expression.operands.end(),
+                [&](const ShaderValue& one) { return HasKind(*one.expression, kinds, searched); }));
+}
+
+/// Whether its value depends on the shading normal.
+bool ReadsNormal(const ShaderExpression& expression) {
+    Searched searched;
+    return HasKind(expression, {Kind::Normal, Kind::Tangent}, &searched);
+}
+
+/// The register that holds the value of an expression.
+using Registers = std::map<const ShaderExpression*, std::uint32_t>;
+
 class Writer {
 public:
+    /// \param isDeep some operands have to wait (FindEarly)
     Writer(const std::vector<std::uint32_t>& textures, const SlotCallback& findSlot,
-           UseCounts counts)
-        : _textures(textures), _findSlot(findSlot), _counts(std::move(counts)) {}
+           UseCounts counts, bool isDeep)
+        : _textures(textures), _findSlot(findSlot), _counts(std::move(counts)),
+          _numForEarly(isDeep ? 2 : 0) {}
 
     /// Evaluates an expression once and stores it to all inputs that it feeds.
     void WriteGroup(const std::vector<const ProgramInput*>& group) {
@@ -76,7 +101,7 @@ public:
         const std::size_t begin = _words.size();
         Emit(0U);
         // What registers hold belongs to the place that was hit; they are needed afterwards.
-        std::map<const ShaderExpression*, std::uint32_t> kept;
+        Registers kept;
         kept.swap(_registers);
         _counts.swap(counts);
         _numKept = static_cast<std::uint32_t>(kept.size());
@@ -92,6 +117,11 @@ public:
             _registers.clear();
         }
         _lookupCoordinates.clear();
+        for (const auto& one : kept) {
+            if (ReadsNormal(*one.first)) {
+                _stale.insert(one.first);
+            }
+        }
         Emit(HDS_OP(HDS_OP_AUTOBUMP, relief.space));
         Emit(relief.movedSlot);
         Emit(relief.normalSlot);
@@ -131,8 +161,8 @@ private:
     }
 
     /// Values that are used again are in the first registers, operands that wait in the last.
-    bool HasFreeRegister() const {
-        return _numKept + _registers.size() + _numEarly < HDS_PROGRAM_REGISTERS;
+    bool HasFreeRegister(std::uint32_t numReserved = 0) const {
+        return _numKept + _registers.size() + _numEarly + numReserved < HDS_PROGRAM_REGISTERS;
     }
 
     void PushConstant(const std::array<float, 4>& value) {
@@ -149,21 +179,35 @@ private:
         }
         const ShaderExpression& expression = *value.expression;
         const auto known = _isShifted ? _registers.end() : _registers.find(&expression);
-        if (known != _registers.end() && !hasTangents) {
+        const bool isKnown = known != _registers.end() && _stale.count(&expression) == 0;
+        if (isKnown && !hasTangents) {
             Emit(HDS_OP(HDS_OP_LOAD, known->second));
             Grow(1);
         } else {
             PushExpression(value, hasTangents);
-            const auto uses = _counts.find(&expression);
-            if (IsShareable(expression) && !_isShifted && known == _registers.end() &&
-                uses != _counts.end() && uses->second > 1 && HasFreeRegister()) {
-                const auto index = static_cast<std::uint32_t>(_numKept + _registers.size());
-                _registers[&expression] = index;
-                Emit(HDS_OP(HDS_OP_SAVE, index));
+            if (!isKnown && !_isShifted) {
+                Keep(expression, known);
             }
         }
         if (value.channel != HDS_CHANNEL_ALL) {
             Emit(HDS_OP(HDS_OP_CHANNEL, HDS_STORE(0U, value.channel)));
+        }
+    }
+
+    /// Keeps the top of the stack in a register, if it is used again. \param known where it was
+    /// kept before the normal changed
+    void Keep(const ShaderExpression& expression, Registers::const_iterator known) {
+        if (known != _registers.end()) {
+            _stale.erase(&expression);
+            Emit(HDS_OP(HDS_OP_SAVE, known->second));
+            return;
+        }
+        const auto uses = _counts.find(&expression);
+        if (IsShareable(expression) && uses != _counts.end() && uses->second > 1 &&
+            HasFreeRegister(_numForEarly)) {
+            const auto index = static_cast<std::uint32_t>(_numKept + _registers.size());
+            _registers[&expression] = index;
+            Emit(HDS_OP(HDS_OP_SAVE, index));
         }
     }
 
@@ -210,6 +254,10 @@ private:
             break;
         case Kind::Chance:
             Emit(HDS_OP(HDS_OP_CHANCE, 0U));
+            Grow(1);
+            break;
+        case Kind::Inside:
+            Emit(HDS_OP(HDS_OP_INSIDE, 0U));
             Grow(1);
             break;
         case Kind::Shifted:
@@ -369,54 +417,18 @@ private:
     const std::vector<std::uint32_t>& _textures;
     const SlotCallback& _findSlot;
     UseCounts _counts; ///< empty: nothing is kept in registers
-    std::map<const ShaderExpression*, std::uint32_t> _registers;
+    Registers _registers;
+    Searched _stale; ///< what registers hold is of the normal before relief
     std::vector<std::uint32_t> _words;
     std::vector<std::uint32_t> _lookupCoordinates; ///< words of those of the last look-up
     std::uint32_t _depth = 0;
     ProgramDepth _depths;
     std::uint32_t _numEarly = 0; ///< operands that wait
+    std::uint32_t _numForEarly;  ///< registers that are left to them
     std::uint32_t _numKept = 0;  ///< registers before those of _registers
     bool _isTooLarge = false;
     bool _isShifted = false;
 };
-
-struct Operation {
-    std::uint32_t numOperands;
-    bool isPattern;
-};
-
-/// By HDS_OP_*.
-constexpr Operation kOperations[HDS_NUM_OPERATIONS] = {
-#define HDS_OPERATION(NAME, operands, isPattern) {operands, isPattern},
-#include "kernels/shared/programOperations.def"
-};
-
-std::uint32_t OperationAt(const std::vector<std::uint32_t>& programs, std::size_t at) {
-    return programs[at] & 0xffU;
-}
-
-/// Operands of an instruction at `at` behind its first word.
-std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t at) {
-    const std::uint32_t operation = OperationAt(programs, at);
-    std::size_t count = kOperations[operation].numOperands;
-    if (operation == HDS_OP_TEXTURE) {
-        const std::uint32_t argument = programs[at] >> 8U;
-        count += programs[at + 1] + ((argument & HDS_LOOKUP_POPS) != 0 ? 0 : 12);
-    }
-    return count;
-}
-
-/// What has been searched: nodes are shared, and there may be exponentially many ways to one.
-using Searched = std::set<const ShaderExpression*>;
-
-/// Whether a node of the kind is below the value.
-bool HasKind(const ShaderValue& value, Kind kind, Searched* searched) {
-    const ShaderExpression& expression = *value.expression;
-    return searched->insert(&expression).second &&
-           (expression.kind == kind ||
-            std::any_of(expression.operands.begin(), expression.operands.end(),
-                        [&](const ShaderValue& one) { return HasKind(one, kind, searched); }));
-}
 
 bool HasFrame(const ShaderValue& value, Searched* searched) {
     const ShaderExpression& expression = *value.expression;
@@ -431,7 +443,7 @@ bool HasFrame(const ShaderValue& value, Searched* searched) {
 
 bool HasSlope(const ShaderValue& value) {
     Searched searched;
-    return HasKind(value, Kind::Shifted, &searched);
+    return HasKind(*value.expression, {Kind::Shifted}, &searched);
 }
 
 bool HasFrame(const ShaderValue& value) {
@@ -443,11 +455,14 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                                         const std::vector<std::uint32_t>& textures,
                                         const SlotCallback& findSlot, std::uint32_t tangentSlot,
                                         const ProgramRelief& relief) {
-    // In the order of their first input, so that equal materials give equal programs.
+    // In the order of their first input, so that equal materials give equal programs. What masks
+    // need is evaluated before the relief, and has a group apart where the normal counts.
     std::vector<std::vector<const ProgramInput*>> groups;
     for (const ProgramInput& input : inputs) {
         const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& candidate) {
-            return candidate[0]->value.expression == input.value.expression;
+            return candidate[0]->value.expression == input.value.expression &&
+                   (!relief.value || IsInMask(candidate[0]->input) == IsInMask(input.input) ||
+                    !ReadsNormal(*input.value.expression));
         });
         if (group == groups.end()) {
             groups.push_back({&input});
@@ -462,13 +477,17 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
     UseCounts counts;
     Searched searched;
     if (std::any_of(inputs.begin(), inputs.end(), [&](const ProgramInput& input) {
-            return HasKind(input.value, Kind::Math, &searched);
+            return HasKind(*input.value.expression, {Kind::Math}, &searched);
         })) {
         for (const auto& group : groups) {
             CountUses(*group[0]->value.expression, &counts);
         }
     }
-    Writer writer(textures, findSlot, std::move(counts));
+    ProgramDepth depths;
+    const bool isDeep = std::any_of(groups.begin(), groups.end(), [&](const auto& group) {
+        return depths.Of(*group[0]->value.expression) > HDS_PROGRAM_STACK;
+    });
+    Writer writer(textures, findSlot, std::move(counts), isDeep);
     if (tangentSlot != HDS_NONE) {
         writer.Emit(HDS_OP(HDS_OP_TANGENTS, tangentSlot));
     }
@@ -484,86 +503,6 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
     std::for_each(others, groups.end(), [&](const auto& group) { writer.WriteGroup(group); });
     writer.Emit(HDS_OP(HDS_OP_END, 0U));
     return writer.Take();
-}
-
-std::uint32_t CountLookups(const std::vector<std::uint32_t>& program) {
-    std::uint32_t count = 0;
-    for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
-        count += OperationAt(program, at) == HDS_OP_TEXTURE ? 1 : 0;
-    }
-    return count;
-}
-
-bool HasPatterns(const std::vector<std::uint32_t>& programs) {
-    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        if (kOperations[OperationAt(programs, at)].isPattern) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool HasClosures(const std::vector<std::uint32_t>& programs) {
-    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        const std::uint32_t operation = OperationAt(programs, at);
-        if (operation == HDS_OP_CHANCE ||
-            (operation == HDS_OP_STORE && (programs[at] >> 8 & 0xffU) == HDS_INPUT_WEIGHT)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool HasAutobump(const std::vector<std::uint32_t>& programs) {
-    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        if (OperationAt(programs, at) == HDS_OP_AUTOBUMP) {
-            return true;
-        }
-    }
-    return false;
-}
-
-bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
-    for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
-        const std::uint32_t operation = OperationAt(program, at);
-        if (operation == HDS_OP_SHIFT || operation == HDS_OP_CHANCE) {
-            return true;
-        }
-        if (operation == HDS_OP_RESOLVED) { // displacement asks for the filter itself
-            at += program[at] >> 8U;
-            continue;
-        }
-        if (operation != HDS_OP_MATH) {
-            continue;
-        }
-        switch ((program[at] >> 8) & 0xffU) {
-        case HDS_MATH_ADD:
-        case HDS_MATH_SUBTRACT:
-        case HDS_MATH_MULTIPLY:
-        case HDS_MATH_MIX:
-        case HDS_MATH_DOT:
-        case HDS_MATH_COMBINE:
-            break;
-        default:
-            return true;
-        }
-    }
-    return false;
-}
-
-void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
-                     const std::array<float, 3>& offset) {
-    for (std::size_t at = 0; at < programs->size(); at += 1 + NumOperands(*programs, at)) {
-        if ((*programs)[at] != HDS_OP(HDS_OP_POSITION, space)) {
-            continue;
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-            float value = 0.0F;
-            std::memcpy(&value, &(*programs)[at + 1 + k], sizeof(value));
-            value += offset[k];
-            std::memcpy(&(*programs)[at + 1 + k], &value, sizeof(value));
-        }
-    }
 }
 
 } // namespace hds

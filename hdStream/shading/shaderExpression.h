@@ -40,6 +40,7 @@ struct ShaderExpression {
         Tangent,     ///< in HDS_SPACE_* `code`, with HDS_TANGENT_ACROSS; operands: coordinates
         View,        ///< unit direction from the viewer
         Chance,      ///< the number of the hit by which it takes one of several closures
+        Inside,      ///< 1 where the viewer is inside of a surface that is no thin wall, else 0
         Shifted,     ///< as it is where HDS_SHIFT_* `code` leads; operands: value, coordinates
     };
     Kind kind = Kind::Constant;

@@ -151,7 +151,7 @@ ShaderValue Spread(const ShaderValue& value) {
     const ShaderExpression& expression = *value.expression;
     const bool isSpread = value.channel != HDS_CHANNEL_ALL ||
                           (expression.kind == Kind::Math && expression.numComponents == 1) ||
-                          expression.kind == Kind::Chance;
+                          expression.kind == Kind::Chance || expression.kind == Kind::Inside;
     return isSpread ? value : ShaderValue{value.expression, 0, 1};
 }
 

@@ -64,6 +64,40 @@ def Layered(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def Stacked(path) -> None:
+    """Stacks of reflections and sheens, what lies on glass, closures that send light back, and walks that leave below a stack."""
+    stage = author.NewStage(path)
+    author.AddMesh(stage, "/World/Ground", shapes.Plane(12, 12), color=(0.4, 0.4, 0.4))
+
+    def Layers(look, *layers):
+        below = None
+        for index, (kind, inputs) in reversed(list(enumerate(layers))):
+            node = materialX.AddNode(stage, f"{look}/Layer{index}", f"ND_{kind}_bsdf", Sdf.ValueTypeNames.Token, **inputs)
+            below = node if below is None else materialX.AddNode(stage, f"{look}/On{index}", "ND_layer_bsdf", Sdf.ValueTypeNames.Token,
+                                                                 top=node, base=below)
+        return materialX.AddSurface(stage, look, "ND_surface", bsdf=below)
+    red, tint = dict(color=(0.7, 0.1, 0.08)), (0.9, 0.5, 0.2)
+
+    def Mirror(ior, roughness, **inputs):
+        return "dielectric", dict(ior=ior, roughness=(roughness, 0.7 * roughness), **inputs)
+    stacks = [
+        [Mirror(1.5, 0.2, tint=tint), Mirror(2.2, 0.3), Mirror(1.3, 0.1), ("oren_nayar_diffuse", red)],
+        [("sheen", dict(roughness=0.5, color=tint)), ("sheen", dict(roughness=0.3, mode="zeltner")), Mirror(1.5, 0.2),
+         ("oren_nayar_diffuse", red)],
+        [Mirror(1.8, 0.2, tint=tint), Mirror(1.4, 0.1), Mirror(1.5, 0.05, scatter_mode="T")],
+        [Mirror(2.0, 0.3, retroreflective=True, tint=tint), ("oren_nayar_diffuse", red)],
+        [Mirror(1.5, 0.1), ("sheen", dict(roughness=0.4)), ("conductor", dict(roughness=(0.3, 0.2), retroreflective=True))],
+        [Mirror(1.5, 0.1, tint=tint), ("subsurface", dict(color=(0.8, 0.5, 0.3), radius=(0.2, 0.1, 0.05)))],
+    ]
+    for index, layers in enumerate(stacks):
+        author.AddMesh(stage, f"/World/Ball{index}", materialX.Ball(0.5), material=Layers(f"/World/Looks/Look{index}", *layers),
+                       translate=(1.1 * (index % 3 - 1), 0.5, 1.2 * (index // 3) - 0.6))
+    author.AddLight(stage, "/World/Key", "Rect", dict(translate=(-3, 5, 4), rotate=(-52, -30, 0)), width=3.0, height=3.0, intensity=12.0)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=0.35)
+    author.AddCamera(stage, eye=(0, 3.0, 5.0), target=(0, 0.4, 0), aspect=61 / 47, focalLength=40.0)
+    stage.GetRootLayer().Save()
+
+
 def Media(path) -> None:
     """Walks below surfaces and in glass, some of which end while others of their batch go on."""
     media.WriteMedia(str(path))

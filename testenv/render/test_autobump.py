@@ -6,6 +6,7 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
+import hdstream
 import ours
 from pxr import Gf, Sdf, UsdGeom, UsdShade
 from stages import author, imageFile, shapes
@@ -178,6 +179,144 @@ def test_triangles_that_have_all_keep_their_bits(tmp_path):
     stage = _Ball(tmp_path / "ball.usda", _Noise)
     pictures = [_Render(stage, 12, subdivision="complexity", refineLevel=5, autobump=isOn) for isOn in (True, False)]
     assert np.array_equal(pictures[0].layers["color"], pictures[1].layers["color"]) and pictures[0].rgb.std() > 0.01
+
+
+def _Facing(stage, root):
+    """The world normal as the material sees it, at least as large as (-1, 1, -1): its second component is 1 everywhere."""
+    normal = AddNode(stage, f"{root}/Facing", "ND_normal_vector3", _T.Vector3f, space="world")
+    return AddNode(stage, f"{root}/Limited", "ND_max_vector3", _T.Vector3f, in1=normal, in2=(-1.0, 1.0, -1.0))
+
+
+@pytest.mark.parametrize("isWhole", [True, False], ids=["oneExpression", "partOfOne"])
+def test_opacity_that_shares_what_the_normal_gives_changes_nothing(tmp_path, isWhole):
+    """Opacity is known before surfaces are bumped; what colours take of the same expression is of the bumped normal even so."""
+    pictures = []
+    for hasOpacity in (True, False):
+        stage = _Sheet(tmp_path / f"waves{hasOpacity}.usda", _Waves)
+        root = "/World/Look"
+        inputs = dict(diffuseColor=_Facing(stage, root), roughness=0.6)
+        if not isWhole:
+            inputs["diffuseColor"] = AddNode(stage, f"{root}/Half", "ND_multiply_vector3FA", _T.Vector3f, in1=inputs["diffuseColor"], in2=0.5)
+        if hasOpacity:
+            inputs["opacity"] = _Float(stage, root, "Opacity", "extract", "vector3", index=1, **{"in": _Facing(stage, root)})
+        node, output = AddNode(stage, f"{root}/Preview", "ND_UsdPreviewSurface_surfaceshader", _T.Token, **inputs)
+        UsdShade.Material.Get(stage, root).CreateSurfaceOutput("mtlx").ConnectToSource(node.GetOutput(output))
+        stage.GetRootLayer().Save()
+        picture = _Render(stage, 48)
+        assert picture.warnings == []
+        pictures.append(picture.layers["color"])
+    flat = _Render(stage, 48, autobump=False).layers["color"]
+    assert np.array_equal(*pictures) and np.abs(pictures[1] - flat).max() > 0.03
+
+
+def test_a_preview_surface_is_displaced_by_materialX_too(tmp_path):
+    """A displacement beside a UsdPreviewSurface moves as the surface's own input does."""
+    pictures = []
+    for isOwn in (True, False):
+        stage = _Sheet(tmp_path / f"waves{isOwn}.usda", _Waves)
+        waves = dict(displacement=(UsdShade.Shader.Get(stage, "/World/Look/Sum"), "out")) if isOwn else {}
+        node, output = AddNode(stage, "/World/Look/Preview", "ND_UsdPreviewSurface_surfaceshader", _T.Token, **waves)
+        material = UsdShade.Material.Get(stage, "/World/Look")
+        material.CreateSurfaceOutput("mtlx").ConnectToSource(node.GetOutput(output))
+        if isOwn:
+            material.GetDisplacementOutput("mtlx").GetAttr().ClearConnections()
+        stage.GetRootLayer().Save()
+        pictures.append(_Render(stage, 48, subdivision="complexity", refineLevel=1))
+    assert np.array_equal(pictures[0].layers["color"], pictures[1].layers["color"]) and pictures[0].rgb.std() > 0.01
+
+
+def test_displacement_by_a_primvar_alone_keeps_no_rest_pose(tmp_path):
+    """Its triangles have all of it, so pages are as without autobump; noise of the same mesh makes them larger."""
+    def ByPrimvar(stage, root):
+        return dict(displacement=AddNode(stage, f"{root}/Amount", "ND_geompropvalue_float", _T.Float, geomprop="amount"))
+    sizes = {}
+    for name, displace in dict(primvar=ByPrimvar, noise=_Noise).items():
+        stage = _Ball(tmp_path / f"{name}.usda", displace)
+        ball = stage.GetPrimAtPath("/World/Ball")
+        amounts = 0.1 * np.cos(1.3 * np.arange(len(ball.GetAttribute("points").Get())))
+        UsdGeom.PrimvarsAPI(ball).CreatePrimvar("amount", _T.FloatArray, "vertex").Set(amounts.tolist())
+        stage.GetRootLayer().Save()
+        for isOn in (True, False):
+            picture = _Render(stage, 16, subdivision="complexity", refineLevel=2, autobump=isOn)
+            assert picture.warnings == []
+            sizes[name, isOn] = picture.statistics["geometry"]["bytesTotal"]
+    assert sizes["primvar", True] == sizes["primvar", False] and sizes["noise", True] > 1.2 * sizes["noise", False]
+
+
+_BALLS = (dict(translate=(-0.6, 0, 0), rotate=(20, 40, 60), scale=(0.5, 0.5, 0.5)), dict(translate=(0.7, 0.2, 0), scale=(0.7, 0.4, 0.5)))
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+@pytest.mark.parametrize("kind", ["points", "native"])
+def test_instances_are_bumped_as_meshes_of_their_own(tmp_path, kind, scheme):
+    def Write(isInstanced):
+        stage = author.NewStage(str(tmp_path / f"{isInstanced}.usda"))
+        material = _Material(stage, _Noise)
+        ball = shapes.Sphere(1.0, 8, 12)
+        root = {"points": "/World/Balls/Ball", "native": "/World/Prototype/Ball"}[kind]
+        if isInstanced and kind == "points":
+            instancer = UsdGeom.PointInstancer.Define(stage, "/World/Balls")
+            instancer.CreatePrototypesRel().AddTarget(root)
+            instancer.CreateProtoIndicesAttr([0] * len(_BALLS))
+            instancer.CreatePositionsAttr([place["translate"] for place in _BALLS])
+            turns = [Gf.Rotation((1, 0, 0), r[0]) * Gf.Rotation((0, 1, 0), r[1]) * Gf.Rotation((0, 0, 1), r[2])
+                     for r in (place.get("rotate", (0, 0, 0)) for place in _BALLS)]
+            instancer.CreateOrientationsAttr([Gf.Quath(turn.GetQuat()) for turn in turns])
+            instancer.CreateScalesAttr([place["scale"] for place in _BALLS])
+        if isInstanced:
+            mesh = author.AddMesh(stage, root, ball, material=material)
+            mesh.GetSubdivisionSchemeAttr().Set(scheme)
+            if kind == "native":
+                stage.GetPrimAtPath("/World/Prototype").SetSpecifier(Sdf.SpecifierOver)
+                for number, place in enumerate(_BALLS):
+                    copy = UsdGeom.Xform.Define(stage, f"/World/Copy{number}")
+                    copy.GetPrim().GetReferences().AddInternalReference("/World/Prototype")
+                    author.Place(copy, **place)
+                    copy.GetPrim().SetInstanceable(True)
+        else:
+            for number, place in enumerate(_BALLS):
+                author.AddMesh(stage, f"/World/Ball{number}", ball, material=material, **place).GetSubdivisionSchemeAttr().Set(scheme)
+        author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(-2, 4, 3), rotate=(-50, -30, 0)), width=2.0, height=2.0, intensity=15.0)
+        author.AddLight(stage, "/World/Dome", "Dome", intensity=0.3)
+        author.AddCamera(stage, eye=(0, 0, 4), target=(0, 0, 0), width=30.0, aspect=1.0)
+        stage.GetRootLayer().Save()
+        return stage
+    settings = dict(aovs=("color",), maxDepth=2, subdivision="complexity", refineLevel=1)
+    instances, coarse, meshes = (_Render(Write(isInstanced), 64, autobump=isOn, **settings).rgb
+                                 for isInstanced, isOn in ((True, True), (True, False), (False, True)))
+    error, other = (np.mean((one - meshes) ** 2 / (meshes ** 2 + 0.01)) for one in (instances, coarse))
+    assert other > 3e-4 and error < 1e-3 * other, (error, other)
+
+
+def _Bent(stage, keys):
+    """The sheet's points at frames: {frame: how far its columns are lifted}."""
+    mesh = UsdGeom.Mesh.Get(stage, "/World/Sheet")
+    points = np.array(mesh.GetPointsAttr().Get())
+    for frame, height in keys.items():
+        bent = points.copy()
+        bent[:, 1] += height * bent[:, 0] ** 2
+        mesh.GetPointsAttr().Set(bent, frame)
+    stage.GetRootLayer().Save()
+    return stage
+
+
+def _AtFrame(stage, frame, **settings):
+    renderer = hdstream.Renderer(stage.GetRootLayer().realPath)
+    return renderer.Render(frame, camera="/World/Camera", imageWidth=48, imageHeight=48, maxDepth=1, noCache=True, **settings).aovs["color"]
+
+
+def test_deformed_meshes_are_bumped_where_they_rest_in_the_frame(tmp_path):
+    """Points at a frame are those of a mesh that has them at all times; while the shutter is open normals are the triangles'."""
+    settings = dict(subdivision="complexity", refineLevel=1, samples=4)
+    moving = _Bent(_Sheet(tmp_path / "moving.usda", _Waves), {1: 0.0, 3: 0.4})
+    still = _Bent(_Sheet(tmp_path / "still.usda", _Waves), {1: 0.2})
+    seen, expected, coarse = (_AtFrame(one, 2.0, motionBlur="off", autobump=isOn, **settings)
+                              for one, isOn in ((moving, True), (still, True), (moving, False)))
+    assert np.array_equal(seen, expected) and np.abs(seen - coarse).max() > 0.01
+    UsdGeom.Camera.Get(moving, "/World/Camera").CreateShutterCloseAttr(0.5)
+    moving.GetRootLayer().Save()
+    blurred, triangles = (_AtFrame(moving, 2.0, autobump=isOn, **settings) for isOn in (True, False))
+    assert np.array_equal(blurred, triangles) and np.abs(blurred - seen).max() > 0.01
 
 
 @pytest.mark.parametrize("name", ["hdstream:autobump", "arnold:autobump"])

@@ -49,19 +49,24 @@ class Stage:
         return below
 
 
-def _Render(tmp_path, make, lights, samples=256, size=8, degrees=0, shape=None, maxDepth=1, **settings):
-    """make: a closure of a Stage. A plane, by its angle to the viewer, unless a shape is given."""
+def _Render(tmp_path, make, lights, samples=256, size=8, degrees=0, shape=None, maxDepth=1, surface=None, isTilted=False, warnings=None,
+            **settings):
+    """make: a closure of a Stage. A plane, by its angle to the viewer, unless a shape is given that is not tilted so. `warnings` takes what is told,
+    which is nothing otherwise."""
     stage = author.NewStage(str(tmp_path / "stage.usda"))
     UsdShade.Material.Define(stage, "/World/Look")
-    material = AddSurface(stage, "/World/Look", "ND_surface", bsdf=make(Stage(stage)))
-    rotate = (90 + degrees, 0, 0) if shape is None else (0, 0, 0)
+    material = AddSurface(stage, "/World/Look", "ND_surface", bsdf=make(Stage(stage)), **(surface or {}))
+    rotate = (90 + degrees, 0, 0) if shape is None or isTilted else (0, 0, 0)
     author.AddMesh(stage, "/World/Shape", shape or shapes.Plane(60, 60), material=material, doubleSided=True, rotate=rotate)
     for index, (kind, inputs) in enumerate(lights):
         author.AddLight(stage, f"/World/Light{index}", kind, **inputs)
     author.AddCamera(stage, eye=(0, 0, 10), width=2.4, aspect=1.0, orthographic=True)
     stage.GetRootLayer().Save()
     picture = ours.Render(stage.GetRootLayer().realPath, size, size, samples=samples, maxDepth=maxDepth, **settings)
-    assert picture.warnings == []
+    if warnings is None:
+        assert picture.warnings == []
+    else:
+        warnings += picture.warnings
     return picture.rgb
 
 
@@ -177,6 +182,29 @@ def test_layers_of_layers_are_layers(tmp_path, below):
     assert grouped == pytest.approx(flat, rel=0.01)
 
 
+def _Mirrors(number):
+    return [("dielectric", dict(ior=1.1 + 0.8 / number * index, tint=TINT, **SMOOTH)) for index in range(number)]
+
+
+@pytest.mark.parametrize("number", [6, 31])
+def test_each_of_many_mirrors_takes_its_part(tmp_path, number):
+    """Along the normal each reflects what its index says, times the tint, whatever their number."""
+    left, expected = 1.0, np.zeros(3)
+    for _, inputs in _Mirrors(number):
+        reflected = ((inputs["ior"] - 1) / (inputs["ior"] + 1)) ** 2
+        expected = expected + left * reflected * np.array(TINT)
+        left *= 1 - reflected
+    seen = _Color(tmp_path, _Stack(*_Mirrors(number), GRAY), DOME, 4096, 16, maxDepth=2)
+    assert seen == pytest.approx(expected + 0.5 * left, abs=8e-3)
+
+
+def test_too_many_mirrors_are_told_once(tmp_path):
+    """One line names the closure from which on they are left out."""
+    warnings = []
+    _Render(tmp_path, _Stack(*_Mirrors(40), GRAY), DOME, 1, warnings=warnings)
+    assert len(warnings) == 1 and warnings[0].startswith("/World/Look: ") and "only the first 32 of its 33 closures" in warnings[0]
+
+
 def test_layers_of_layers_cover_what_is_beside_a_metal(tmp_path):
     """Sheen on half a metal, on diffuse: the sheen covers both halves."""
     half = ("conductor", dict(METAL[1], weight=0.5))
@@ -199,6 +227,36 @@ def test_layers_of_layers_on_glass_are_not_met_from_inside(tmp_path, mode):
                      for make in (Grouped, _Stack(*tops, glass)))
     assert grouped.max() <= 1.001
     assert grouped == pytest.approx(flat, rel=0.01)
+
+
+GLASS = ("dielectric", dict(ior=1.5, scatter_mode="T", **SMOOTH))
+ON_GLASS = (TINTED, ("dielectric", dict(roughness=(0.3, 0.3), ior=2.2)), GLASS)
+
+
+def test_what_lies_on_glass_is_there_whatever_its_normals_say(tmp_path):
+    """Normals that point to the other side of the mesh than its winding are those of the side that is seen."""
+    plane = shapes.Plane(60, 60)
+    turned = shapes.Shape(plane.points, plane.counts, plane.indices, -plane.normals, plane.texcoords)
+    seen, expected = (_Render(tmp_path, _Stack(*ON_GLASS), DOME, 256, degrees=30, shape=shape, isTilted=True)
+                      for shape in (turned, plane))
+    assert np.array_equal(seen, expected)
+
+
+def test_thin_walls_of_layers_have_two_sides_alike(tmp_path):
+    front, back = (_Color(tmp_path, _Stack(*ON_GLASS), DOME, 4096, degrees=degrees, maxDepth=4, surface=dict(thin_walled=True))
+                   for degrees in (60, 240))
+    assert front[0] > front[2] + 0.05 and back == pytest.approx(front, rel=0.01)
+
+
+def test_what_is_nowhere_glass_is_covered_from_behind(tmp_path):
+    """A mixture of glass and diffuse reflection, all of which is the latter by a pattern, is that alone from both sides."""
+    def Mixture(stage):
+        none = AddNode(stage._stage, "/World/Look/None", "ND_splitlr_float", Sdf.ValueTypeNames.Float, valuel=0.0, valuer=0.0, center=0.5)
+        white = stage.Stack(("oren_nayar_diffuse", dict(color=WHITE)))
+        return stage.Node("mix_bsdf", fg=stage.Stack(GLASS), bg=white, mix=none)
+    seen, expected = (_Color(tmp_path, _Stack(*ON_GLASS[:2], below), _Sun(-10), 4096, degrees=210)
+                      for below in (Mixture, ("oren_nayar_diffuse", dict(color=WHITE))))
+    assert seen == pytest.approx(expected, rel=0.01)
 
 
 def test_many_closures_are_mixed(tmp_path):

@@ -32,8 +32,8 @@ def Kernels(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("write", [formStages.EveryLight, formStages.Layered, formStages.Media, formStages.Hair, formStages.Textured,
-                                   formStages.ManyLights, formStages.FewShaped, formStages.Nested,
+@pytest.mark.parametrize("write", [formStages.EveryLight, formStages.Layered, formStages.Stacked, formStages.Media, formStages.Hair,
+                                   formStages.Textured, formStages.ManyLights, formStages.FewShaped, formStages.Nested,
                                    formStages.Displaced], ids=lambda write: write.__name__)
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"

@@ -20,7 +20,7 @@ HDS_TEST_STRUCT(Surface)
 #define HDS_TEST_COAT(R2) R2(coatStretch)
 #define HDS_TEST_FROST(R1) R1(frost) R1(retro)
 #define HDS_TEST_NUM_SPACE 27
-#define HDS_TEST_NUM_LAYERED 66
+#define HDS_TEST_NUM_LAYERED (66 + 3 * HDS_FEATURE_CLOSURES)
 #else
 #define HDS_TEST_BASE(R3)
 #define HDS_TEST_COAT(R2)
@@ -39,6 +39,11 @@ HDS_TEST_STRUCT(LightSample)
 #define HDS_TEST_FIELDS_ScatteredRay(R1, R2, R3, U)                                         \
     R3(origin) R3(direction) R3(throughput) R3(normal) R3(wi) R3(weight) R1(pdf) R1(lightPdf)
 HDS_TEST_STRUCT(ScatteredRay)
+#if HDS_FEATURE_CLOSURES
+#define HDS_TEST_COLOR(R3) R3(coatColor)
+#else
+#define HDS_TEST_COLOR(R3)
+#endif
 #if HDS_LOBES
 #define HDS_TEST_FIELDS_LayeredSurface(R1, R2, R3, U)                                       \
     R3(dielectric) R3(metal) R3(metalColor) R3(metalEdge) R3(diffuseColor) R3(diffuse)      \
@@ -46,7 +51,7 @@ HDS_TEST_STRUCT(ScatteredRay)
     R3(geomNormal) R2(alpha) R1(eta) R1(specularWeight) R1(diffuseRoughness)                \
     R1(sheenRoughness) R1(coat) R1(coatEta) R1(coatAlpha) R1(cosineShare)                   \
     R1(specularShare) R1(coatShare) R1(refractedShare) R1(translucentShare)                 \
-    HDS_TEST_COAT(R2) HDS_TEST_BASE(R3) HDS_TEST_FROST(R1)
+    HDS_TEST_COAT(R2) HDS_TEST_BASE(R3) HDS_TEST_FROST(R1) HDS_TEST_COLOR(R3)
 HDS_TEST_STRUCT(LayeredSurface)
 #endif
 /* in: wo, wi, a normal, alphas, two numbers, eta. */
@@ -91,13 +96,13 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     in += 22;
 #if HDS_LOBES
     LayeredSurface_make(&at.bsdf.layered, in);
-    at.bsdf.isLayered = as_Uint(in[66]);
+    at.bsdf.isLayered = as_Uint(in[69]);
 #if (HDS_LOBES & HDS_LOBE_COAT_FRAME) != 0u
     at.bsdf.layered.base = frame_fromNormal(at.bsdf.layered.base.x);
     at.shading.base = at.bsdf.layered.base;
 #endif
 #endif
-    in += 67;
+    in += 70;
     at.shading.frame = frame_fromNormal(take3(in));
     at.shading.geomNormal = take3(in + 3);
     at.shading.geomLocal = frame_toLocal(&at.shading.frame, at.shading.geomNormal);
@@ -158,7 +163,7 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
 
 const char* const kKernels = R"(
 HDS_TEST_FORMS(microfacets, 14, 31)
-HDS_TEST_FORMS(scatters, 129, 54)
+HDS_TEST_FORMS(scatters, 132, 54)
 HDS_TEST_LANES(Surface, 22)
 HDS_TEST_LANES(ShadingPoint, HDS_TEST_NUM_SPACE)
 HDS_TEST_LANES(SurfacePoint, 7)
@@ -238,6 +243,7 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     AddLocalNormal(r, one);
     one.Add({r.Is(3) ? 1.0F : 0.0F}); // frosted
     one.Add({r.Is(3) ? 1.0F : 0.0F}); // it sends light back
+    one.AddColor(r);                  // of the coat, where it is one of several closures
 }
 
 void AddScatter(LaneRandom& r, LaneCase& one) {
@@ -270,12 +276,15 @@ protected:
         }
         KernelFeatures features;
         features.lobes = GetParam();
+        features.closures = HasClosures();
         _program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh", kText, kKernels,
                               features.WithNeeds().Defines());
         _arguments.frame.imageWidth = 300;
         _arguments.frame.seed = 77;
         _arguments.frame.exposureScale = 1.5F;
     }
+    static bool HasClosures() { return (GetParam() & HDS_LOBE_COVERED) != 0; }
+
     std::unique_ptr<Program> _program;
     Arguments _arguments;
 };
@@ -304,7 +313,7 @@ TEST_P(WideSurfaces, StructsLieInTheirLane) {
     ExpectLanes(*_program, "LightSample", 12);
     ExpectLanes(*_program, "ScatteredRay", 20);
     if (GetParam() != 0) {
-        ExpectLanes(*_program, "LayeredSurface", isFramed ? 66 : 53);
+        ExpectLanes(*_program, "LayeredSurface", isFramed ? 69 : 53);
     }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tangents of networks: which are known to be constants, and networks that are cycles. What they
-// look like is in render/test_tangents.py.
+// Tangents and normals of networks: which are known to be constants, or need no pattern, and
+// networks that are cycles. What they look like is in render/test_tangents.py.
 #include "hdStream/shading/materialCompiler.h"
+#include "hdStream/shading/programWriter.h"
 #include "testenv/unit/shading/imageQueries.h"
 
 #include <gtest/gtest.h>
@@ -97,6 +98,22 @@ TEST_F(SurfaceFrameTest, CyclesOfAxesEnd) {
     AddNode("/m/axis", "ND_normalize_vector3").connections["in"] = {"/m/axis", "out"};
     Compile();
     ExpectOneCycle();
+}
+
+/// Kernels with patterns are slower: nothing has to ask whether the texels of a map are 0.
+TEST_F(SurfaceFrameTest, PlainNormalMapsOfCoatsAreNoPatterns) {
+    _network.nodes[0].connections["tangent"] = {"/m/own", "out"};
+    _network.nodes[0].parameters["coat"] = 1.0;
+    _network.nodes[0].connections["coat_normal"] = {"/m/map", "out"};
+    AddNode("/m/map", "ND_normalmap").connections["in"] = {"/m/image", "out"};
+    AddNode("/m/image", "ND_image_vector3").parameters["file"] =
+        AssetReference{"map.png", "map.png", 0, 0};
+    Compile();
+    const auto program =
+        ResolveMaterial(_compiled, {7}, {{"st", 2}}, {}, "/mesh", _warnings).program;
+    EXPECT_TRUE(_warnings.Lines().empty());
+    EXPECT_EQ(CountLookups(program), 1U);
+    EXPECT_FALSE(HasPatterns(program));
 }
 
 } // namespace
