@@ -122,8 +122,7 @@ void Program::BuildFromSource(const ProgramSource& source) {
     CheckOpenCl(code, "creating program " + _root);
     code = clBuildProgram(program, 1, &handles.device, source.options.c_str(), nullptr, nullptr);
     if (code != CL_SUCCESS) {
-        const std::string log =
-            NameKernelLines(BuildLog(program, handles.device), *source.text);
+        const std::string log = NameKernelLines(BuildLog(program, handles.device), *source.text);
         clReleaseProgram(program);
         throw Error("building " + _root + " for " + _device->Properties().name + " with " +
                     source.options + ": " + OpenClErrorName(code) + "\n" + log);

@@ -96,9 +96,8 @@ std::uint32_t ResidentWaveSize(const DeviceProperties& properties) {
     if (properties.isCpu) {
         return OfCores(properties, kPathsPerCore);
     }
-    return static_cast<std::uint32_t>(
-        std::clamp<std::uint64_t>(properties.memoryBytes / kStatePartOfGpu / kPathBytes,
-                                  kMaxWaveSize, kMaxWaveSizeGpu));
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
+        properties.memoryBytes / kStatePartOfGpu / kPathBytes, kMaxWaveSize, kMaxWaveSizeGpu));
 }
 
 std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties& properties,
@@ -108,8 +107,7 @@ std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties
 }
 
 std::uint32_t TileSize(const DeviceProperties& properties) {
-    return properties.isCpu ? OfCores(properties, kTilePathsPerCore)
-                            : ResidentWaveSize(properties);
+    return properties.isCpu ? OfCores(properties, kTilePathsPerCore) : ResidentWaveSize(properties);
 }
 
 } // namespace hds
