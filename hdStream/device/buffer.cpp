@@ -98,7 +98,8 @@ Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, c
 void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     cl_int code = CL_SUCCESS;
     // Drivers of GPUs promise more than there is, and take memory at the first use, which is here.
-    const bool isTooLarge = _bytes > _device->Properties().memoryBytes;
+    const std::uint64_t memoryBytes = _device->Properties().memoryBytes; // 0: nobody says
+    const bool isTooLarge = memoryBytes > 0 && _bytes > memoryBytes;
     if (isTooLarge || (allocationsLeft >= 0 && allocationsLeft-- == 0)) {
         code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
     } else {
@@ -237,16 +238,17 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
     }
     cl_command_queue queue = _device->GetHandles().queue;
     if (!_device->Properties().isCpu) { // to wait for each takes as long as to copy a page
+        cl_int code = CL_SUCCESS;
         for (const BufferCopy& copy : copies) {
-            if (copy.bytes > 0) {
-                CheckOpenCl(clEnqueueWriteBuffer(queue, static_cast<cl_mem>(_memory), CL_FALSE,
-                                                 copy.offset, copy.bytes, copy.data, 0, nullptr,
-                                                 nullptr),
-                            "writing " + _label);
+            if (copy.bytes > 0 && code == CL_SUCCESS) {
+                code =
+                    clEnqueueWriteBuffer(queue, static_cast<cl_mem>(_memory), CL_FALSE, copy.offset,
+                                         copy.bytes, copy.data, 0, nullptr, nullptr);
             }
         }
         _device->_isIdle = false;
-        _device->Finish();
+        _device->Finish(); // in any case: what is copied may go
+        CheckOpenCl(code, "writing " + _label);
         return;
     }
     // What is between the pieces keeps its contents: the map is for reading too. It costs nothing

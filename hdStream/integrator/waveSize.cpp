@@ -107,7 +107,7 @@ std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties
 }
 
 std::uint32_t TileSize(const DeviceProperties& properties) {
-    return properties.isCpu ? OfCores(properties, kTilePathsPerCore) : ResidentWaveSize(properties);
+    return properties.isCpu ? OfCores(properties, kTilePathsPerCore) : kMaxWaveSize;
 }
 
 } // namespace hds

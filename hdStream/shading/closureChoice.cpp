@@ -117,7 +117,6 @@ LayeredMaterial ChooseSlab(ClosureSlabs slabs) {
         const ClosureSlab& slab = slabs[k];
         result.flags |= slab.layered.flags;
         result.lobes |= slab.layered.lobes;
-        result.lobes |= slab.isCovered ? HDS_LOBE_COVERED : 0U; // what programs ask for is there
         result.dispersion = std::max(result.dispersion, slab.layered.dispersion);
         below = k < numChosen ? Add(below, slab.share, 1)
                               : MakeScalar(CoverNumbers::EndOf(k - numChosen));

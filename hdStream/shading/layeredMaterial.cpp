@@ -532,21 +532,21 @@ void FinishLayered(LayeredMaterial* material) {
     const std::uint32_t conductor =
         has(HDS_INPUT_METALLIC) ? material->lobes & HDS_LOBE_CONDUCTOR : 0U;
     const bool isSchlicks = has(HDS_INPUT_SPECULAR_WEIGHT) && values[HDS_INPUT_SCHLICK_EXPONENT];
-    material->lobes =
-        HDS_LOBE_BASE | conductor | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
-        (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
-        (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
-        (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) | (isSchlicks ? HDS_LOBE_SCHLICK : 0U) |
-        (has(HDS_INPUT_RETRO) ? HDS_LOBE_RETRO : 0U) |
-        (has(HDS_INPUT_COVER) ? HDS_LOBE_COVERED : 0U) | (material->lobes & HDS_LOBE_COVERED) |
-        (has(HDS_INPUT_CLEARCOAT) &&
-                 (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
-             ? HDS_LOBE_COAT_FRAME
-             : 0U) |
-        (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
-        (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
-             ? HDS_LOBE_TRANSLUCENCY
-             : 0U);
+    material->lobes = HDS_LOBE_BASE | conductor | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
+                      (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
+                      (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
+                      (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
+                      (isSchlicks ? HDS_LOBE_SCHLICK : 0U) |
+                      (has(HDS_INPUT_RETRO) ? HDS_LOBE_RETRO : 0U) |
+                      (has(HDS_INPUT_COVER) ? HDS_LOBE_COVERED : 0U) |
+                      (has(HDS_INPUT_CLEARCOAT) &&
+                               (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
+                           ? HDS_LOBE_COAT_FRAME
+                           : 0U) |
+                      (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
+                      (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
+                           ? HDS_LOBE_TRANSLUCENCY
+                           : 0U);
     constexpr std::uint32_t kFrosted = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
     if ((material->lobes & HDS_LOBE_TRANSMISSION) != 0 &&
         (material->flags & kFrosted) == kFrosted) {

@@ -523,6 +523,7 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                             : WriteProgram(inputs, textures, findSlot, tangentSlot);
         }
         result.record.flags |= NeedsFilteredTexels(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
+        result.record.lobes |= HasInside(result.program) ? HDS_LOBE_COVERED : 0U;
         if (result.program.empty() && !inputs.empty()) {
             warnings.Add(primPath, "its material is too deep for the shader machine; the inputs "
                                    "that it computes keep their defaults");

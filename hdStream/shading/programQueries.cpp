@@ -58,7 +58,7 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs) {
 bool HasClosures(const std::vector<std::uint32_t>& programs) {
     for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
         const std::uint32_t operation = OperationAt(programs, at);
-        if (operation == HDS_OP_CHANCE ||
+        if (operation == HDS_OP_CHANCE || operation == HDS_OP_INSIDE ||
             (operation == HDS_OP_STORE && (programs[at] >> 8 & 0xffU) == HDS_INPUT_WEIGHT)) {
             return true;
         }
@@ -69,6 +69,15 @@ bool HasClosures(const std::vector<std::uint32_t>& programs) {
 bool HasAutobump(const std::vector<std::uint32_t>& programs) {
     for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
         if (OperationAt(programs, at) == HDS_OP_AUTOBUMP) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool HasInside(const std::vector<std::uint32_t>& programs) {
+    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
+        if (OperationAt(programs, at) == HDS_OP_INSIDE) {
             return true;
         }
     }

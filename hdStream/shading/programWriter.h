@@ -51,6 +51,9 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs);
 /// (HDS_FEATURE_CLOSURES).
 bool HasClosures(const std::vector<std::uint32_t>& programs);
 
+/// Whether some instruction asks for the side of glass that is seen (HDS_LOBE_COVERED).
+bool HasInside(const std::vector<std::uint32_t>& programs);
+
 /// Whether some hit is bumped by what its triangles lack of displacement (HDS_FEATURE_AUTOBUMP).
 bool HasAutobump(const std::vector<std::uint32_t>& programs);
 

@@ -142,6 +142,21 @@ def test_samples_of_others_are_no_part_of_the_shadow(tmp_path):
     assert ((held["alpha"] > 0) & (held["alpha"] < 1)).sum() > 10
 
 
+def test_a_veil_before_a_catcher_keeps_its_light(tmp_path):
+    """What it glows more of comes in proportion to its coverage, whatever happens to the samples that pass it."""
+    opacity = 0.5
+
+    def Seen(name, glow):
+        def Veil(stage):
+            look = author.AddMaterial(stage, "/World/Look", diffuseColor=(0, 0, 0), emissiveColor=glow, opacity=opacity, opacityMode="presence")
+            author.AddMesh(stage, "/World/Veil", shapes.Box(20.0, 0.01, 20.0), material=look, translate=(0, 2.0, 0))
+        path = _Room(tmp_path / f"{name}.usda", isWhole=False, extras=(Veil,))
+        return _Render(path, aovs=("color",), samples=256, maxDepth=0)["color"][20:28, 16:32, :3].mean((0, 1))
+    glow = (0.4, 0.2, 0.1)
+    coverage = 1 - (1 - opacity) ** 2  # of both sides of the box
+    assert Seen("glows", glow) - Seen("black", (0, 0, 0)) == pytest.approx(np.multiply(glow, coverage), rel=0.02)
+
+
 @pytest.mark.parametrize("name", _NAMES)
 def test_names_of_hosts(tmp_path, name):
     """Each is ours; Karma's mode 1 is a holdout; false is nothing."""

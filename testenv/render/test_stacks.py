@@ -259,6 +259,18 @@ def test_what_is_nowhere_glass_is_covered_from_behind(tmp_path):
     assert seen == pytest.approx(expected, rel=0.01)
 
 
+def test_what_is_opaque_hides_all_that_it_lies_on(tmp_path):
+    """Two metals mixed, on layers on glass: nothing of these is left, but that shares ask which side is seen."""
+    def Metals(stage):
+        rough = (METAL[0], {**METAL[1], "roughness": (0.5, 0.5)})
+        return stage.Node("mix_bsdf", fg=stage.Stack(METAL), bg=stage.Stack(rough), mix=0.5)
+
+    def OnGlass(stage):
+        return stage.Node("layer_bsdf", top=Metals(stage), base=stage.Stack(*ON_GLASS))
+    seen, expected = (_Render(tmp_path, make, DOME, 64, degrees=30) for make in (OnGlass, Metals))
+    assert np.array_equal(seen, expected)
+
+
 def test_many_closures_are_mixed(tmp_path):
     """Twelve that no layered surface has side by side."""
     def Part(index):

@@ -12,7 +12,7 @@ from .shapes import Shape
 _INPUT_TYPES = {
     "diffuseColor": Sdf.ValueTypeNames.Color3f, "emissiveColor": Sdf.ValueTypeNames.Color3f,
     "specularColor": Sdf.ValueTypeNames.Color3f, "useSpecularWorkflow": Sdf.ValueTypeNames.Int,
-    "normal": Sdf.ValueTypeNames.Normal3f,
+    "normal": Sdf.ValueTypeNames.Normal3f, "opacityMode": Sdf.ValueTypeNames.Token,
 }
 
 

@@ -92,7 +92,10 @@ TEST(WaveSize, GrowWithTheMemoryOfGpusWithinBounds) {
     EXPECT_LE(ResidentWaveSize(gpu) * std::uint64_t{256}, gpu.memoryBytes / 32);
     gpu.memoryBytes = std::uint64_t{140} << 30U;
     EXPECT_EQ(ResidentWaveSize(gpu), 1U << 24U);
-    EXPECT_EQ(TileSize(gpu), 1U << 24U);
+    EXPECT_EQ(ChooseWaveSize(Options(), gpu, 0), 1U << 24U);
+    RenderOptions options = Options();
+    options.interactive = true;
+    EXPECT_EQ(ChooseWaveSize(options, gpu, 0), 1U << 20U) << "an edit waits for it";
 }
 
 } // namespace
