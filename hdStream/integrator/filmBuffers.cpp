@@ -209,14 +209,18 @@ shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre,
     return offsets;
 }
 
-void FilmBuffers::AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
+void FilmBuffers::AddMattes(const CommittedScene& scene, const std::uint32_t* pixels,
+                            std::uint32_t numSamples,
                             const std::vector<std::array<std::uint32_t, 4>>& surfaces) {
     for (std::size_t slot = 0; slot < surfaces.size(); ++slot) {
         const std::uint32_t pixel = pixels[slot / numSamples];
         const auto& [prim, entry, instance, unused] = surfaces[slot];
         _mattes.AddSample(pixel);
         if (prim != HDS_NONE) {
-            _mattes.Add(pixel, {prim, entry, static_cast<std::int32_t>(instance)}, 1);
+            _mattes.Add(pixel,
+                        {scene.AuthoredPrim(prim), scene.AuthoredEntry(entry),
+                         static_cast<std::int32_t>(instance)},
+                        1);
         }
     }
 }

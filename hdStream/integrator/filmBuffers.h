@@ -67,7 +67,8 @@ public:
     bool HasMattes() const { return _layout.hasMattes; }
     /// Counts what the samples of a wave have met. \param pixels of the wave, numSamples slots
     /// each. \param surfaces as the field `matte` of the path state, by slot.
-    void AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
+    void AddMattes(const CommittedScene& scene, const std::uint32_t* pixels,
+                   std::uint32_t numSamples,
                    const std::vector<std::array<std::uint32_t, 4>>& surfaces);
 
     bool HasDeep() const { return _deep.has_value(); }

@@ -259,7 +259,7 @@ struct PathTracer::Impl {
         const std::uint32_t* wavePixels = schedule.Pixels(presentList).data() + wave.firstPixel;
         const auto surfaces = ReadField<std::uint32_t>(wave, "matte", 1);
         if (film.HasMattes()) {
-            film.AddMattes(wavePixels, wave.numSamples, surfaces);
+            film.AddMattes(*scene, wavePixels, wave.numSamples, surfaces);
         }
         if (film.HasDeep()) {
             film.AddDeep(wavePixels, wave.numSamples, surfaces,

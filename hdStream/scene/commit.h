@@ -142,8 +142,20 @@ struct CommittedPrims {
     /// next commit.
     std::vector<const std::vector<AttributeName>*> primAttributes;
     InstancePrimvars instancePrimvars;
-    std::vector<std::string> primPaths;      ///< of `prims`; with CommitOptions::keepsNames
-    std::vector<std::string> entryMaterials; ///< of `primMaterials` the materials' paths, likewise
+    /// With CommitOptions::keepsNames, by what AuthoredPrim and AuthoredEntry give: films that go
+    /// on in scenes with other tables have counted by these numbers.
+    std::vector<std::string> primPaths;
+    std::vector<std::string> entryMaterials; ///< paths of materials
+    /// Of each prim, and of each entry of `primMaterials`, its number by the order of prims, where
+    /// instance chunks have given them others (scene/pagedTables.h); empty: these are the same.
+    std::vector<std::uint32_t> authoredPrims;
+    std::vector<std::uint32_t> authoredEntries;
+    std::uint32_t AuthoredPrim(std::uint32_t prim) const {
+        return authoredPrims.empty() ? prim : authoredPrims[prim];
+    }
+    std::uint32_t AuthoredEntry(std::uint32_t entry) const {
+        return authoredEntries.empty() ? entry : authoredEntries[entry];
+    }
     /// Prepared when they are needed; in the cache's memory. Scenes whose prims differ in their
     /// places alone may share them.
     std::shared_ptr<GeometryPages> pages;

@@ -109,10 +109,12 @@ void MoveMaterials(CommittedScene* scene) {
     for (shared::HdsPrim& prim : prims) {
         prim.materialBase = prim.materialBase < numEntries ? numbers[prim.materialBase] : 0;
     }
-    Reorder(order, &scene->entryMaterials);
     Reorder(order, &scene->primMaterials);
     scene->primMaterials.resize(numLeft);
     scene->primMaterials.shrink_to_fit();
+    if (!scene->entryMaterials.empty()) {
+        scene->authoredEntries = std::move(order);
+    }
 }
 
 void Renumber(const PagedTables& tables, shared::HdsInstance* record) {
@@ -127,18 +129,20 @@ PagedTables TakeFromTables(CommittedScene* scene) {
     PagedTables tables;
     tables.objectNumbers = DropObjects(&scene->objects);
     std::uint32_t numNamed = 0;
-    const Numbers order = OrderOfPrims(*scene, &numNamed);
+    Numbers order = OrderOfPrims(*scene, &numNamed);
     tables.primNumbers = NumbersOf(order);
     for (shared::HdsInstance& record : scene->instances) {
         Renumber(tables, &record);
     }
     Reorder(order, &scene->primAttributes);
-    Reorder(order, &scene->primPaths);
     Reorder(order, &scene->instancePrimvars.firstSlots);
     Reorder(order, &scene->instancePrimvars.names);
     Reorder(order, &scene->prims);
     tables.prims = std::move(scene->prims);
     scene->prims.assign(tables.prims.begin(), tables.prims.begin() + numNamed);
+    if (!scene->primPaths.empty()) {
+        scene->authoredPrims = std::move(order);
+    }
     return tables;
 }
 

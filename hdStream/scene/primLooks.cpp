@@ -96,6 +96,14 @@ std::optional<std::set<std::uint32_t>> PrimCommit::RecolourOne(const std::string
         return std::set<std::uint32_t>(); // nothing that is drawn has it
     }
     CachedMaterial& cached = known->second;
+    FindRecords();
+    const auto users = _records->ofMaterial.find(&cached);
+    if (users == _records->ofMaterial.end()) {
+        return std::set<std::uint32_t>(); // likewise: who draws it next finds another network
+    }
+    if (!IsPlain(cached)) {
+        return std::nullopt;
+    }
     CachedMaterial next;
     next.network = _scene.materials.at(path);
     next.compiled = CompileMaterial(*next.network, path, materials.Images(&next.images), _warnings);
@@ -103,7 +111,7 @@ std::optional<std::set<std::uint32_t>> PrimCommit::RecolourOne(const std::string
     const auto recordOf = [&](const CachedMaterial& material) {
         return ResolveMaterial(material.compiled, {}, {}, {}, path, _warnings).record;
     };
-    if (!IsPlain(cached) || !IsPlain(next)) {
+    if (!IsPlain(next)) {
         return std::nullopt;
     }
     const shared::HdsMaterial before = recordOf(cached);
@@ -111,8 +119,7 @@ std::optional<std::set<std::uint32_t>> PrimCommit::RecolourOne(const std::string
     if (!HaveSameKind(before, after)) {
         return std::nullopt;
     }
-    FindRecords();
-    const std::set<std::uint32_t>& records = _records->ofMaterial[&cached];
+    const std::set<std::uint32_t>& records = users->second;
     for (const std::uint32_t record : records) {
         if (_records->numUsers[record] > 1 ||
             !Repaint(before, after, &materials.materials[record])) {

@@ -165,3 +165,18 @@ def test_of_instances_in_chunks(tmp_path):
     for name, pixels in tables.aovs.items():
         assert pixels.tobytes() == chunks.aovs[name].tobytes(), name
     assert len(np.unique(tables.aovs["primId"])) == 4
+
+
+def test_renders_go_on_in_chunks(tmp_path):
+    """Sums of a render whose instances lie in tables, and of one where they lie in pages: both count by the same numbers."""
+    renderer = hdstream.Renderer(WriteMatteStage(tmp_path / "still.usda", ("Card", "Many", "Wall")))
+    values = {"imageWidth": WIDTH, "imageHeight": HEIGHT, "noCache": True, "maxDepth": 1, "camera": "/World/Camera", "aovs": list(ALL)}
+    images = []
+    for before, after in ((0, 0), (1, 0), (0, 1)):
+        renderer.Prepare(1, samples=16, instanceChunks=before, **values)
+        sums = renderer.RenderSums()
+        renderer.Prepare(1, samples=32, instanceChunks=after, **values)
+        images.append(renderer.RenderPrepared(None, [sums]))
+    for image in images[1:]:
+        for name, pixels in images[0].aovs.items():
+            assert pixels.tobytes() == image.aovs[name].tobytes(), name

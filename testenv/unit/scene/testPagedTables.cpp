@@ -114,7 +114,7 @@ Said WhatIsSaid(const CommittedScene& scene, const shared::HdsInstance& record,
         kind >= HDS_OBJECT_CHUNK ? shared::HdsObject{kind, 0, chunk, 1} : scene.objects[chunk];
     const shared::HdsPrim& prim =
         ofPage != nullptr ? ofPage[record.lightBase] : scene.prims.at(record.prim);
-    const std::string& path = scene.primPaths.at(record.prim);
+    const std::string& path = scene.primPaths.at(scene.AuthoredPrim(record.prim));
     const bool hasSubsets =
         path == "/I/b" || (path.rfind("/single", 0) == 0 && std::stoi(path.substr(7)) % 7 == 1);
     std::vector<std::string> materials;
@@ -124,7 +124,8 @@ Said WhatIsSaid(const CommittedScene& scene, const shared::HdsInstance& record,
                                            : scene.primMaterials.at(prim.materialBase + entry);
         const shared::HdsMaterial& found = scene.materials.at(material);
         materials.emplace_back(reinterpret_cast<const char*>(&found), sizeof(found));
-        materials.push_back(scene.entryMaterials.at(prim.materialBase + entry));
+        materials.push_back(
+            scene.entryMaterials.at(scene.AuthoredEntry(prim.materialBase + entry)));
     }
     std::string attributes;
     for (const AttributeName& name : *scene.primAttributes.at(record.prim)) {
@@ -193,7 +194,8 @@ TEST(PagedTables, SayWhatTablesSaid) {
     EXPECT_EQ(chunks.scene->lightByEntry, tables.scene->lightByEntry);
     for (const shared::HdsInstance& record : chunks.scene->instances) {
         const bool glows =
-            record.prim != HDS_NONE && chunks.scene->primPaths[record.prim] == "/a lamp";
+            record.prim != HDS_NONE &&
+            chunks.scene->primPaths[chunks.scene->AuthoredPrim(record.prim)] == "/a lamp";
         EXPECT_EQ(record.lightBase != HDS_NONE, glows);
     }
 }
