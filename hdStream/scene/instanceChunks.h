@@ -32,6 +32,8 @@ public:
 
     std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_plan.NumChunks()); }
 
+    std::uint32_t NumRecords(std::uint32_t chunk) const { return _plan.counts[chunk]; }
+
     std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
     ChunkBytes Make(std::uint32_t chunk) const override;
     PageStore* Store() const override { return _store.get(); }

@@ -146,12 +146,11 @@ PagedTables TakeFromTables(CommittedScene* scene) {
     return tables;
 }
 
-/// No more prims than records, each of which takes more than an HdsInstance.
+/// No more prims than records.
 std::array<std::uint64_t, 2> PagedInstances::BoundBytes(std::uint32_t chunk) const {
     std::array<std::uint64_t, 2> bytes = _records->BoundBytes(chunk);
-    const std::uint64_t numPrims =
-        std::min(_numPrims, bytes[HDS_PAGE_GEOMETRY] / sizeof(shared::HdsInstance));
-    bytes[HDS_PAGE_GEOMETRY] += numPrims * sizeof(shared::HdsPrim);
+    bytes[HDS_PAGE_GEOMETRY] +=
+        std::min<std::uint64_t>(_numPrims, _records->NumRecords(chunk)) * sizeof(shared::HdsPrim);
     return bytes;
 }
 
