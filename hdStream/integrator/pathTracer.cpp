@@ -394,6 +394,7 @@ struct PathTracer::Impl {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
+        statistics.endedWalks = values[HDS_COUNTER_STEPS];
         statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
         if (withError) {
             ClearRest();

@@ -186,6 +186,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
         {"nanSamples", render.nanSamples},
         {"clampedSamples", render.clampedSamples},
         {"endedPasses", render.endedPasses},
+        {"endedWalks", render.endedWalks},
         {"deepCrowded", render.deepCrowded},
         {"meanRelativeError", render.meanRelativeError ? Json(*render.meanRelativeError) : Json()}};
     stats["wave"] = {

@@ -73,7 +73,7 @@ uint shade_putSurface(constant const HdsFrameParams* frame, const HdsSceneView* 
     HdsShadeHit* at = &hits->at[lane];
     HdsShadePath* path = &hits->path[lane];
     const uint i = hits->slots[lane];
-    if (shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
+    if (shade_onTheWay(frame, scene, at, path, i, paths, counters, lists)) {
         return HDS_SHADE_ENDS;
     }
 #if HDS_FEATURE_MEDIA
@@ -172,7 +172,7 @@ void shade_ends(constant const HdsFrameParams* frame, const HdsSceneView* scene,
         HdsShadeHit* at = &ends->at[lane];
         HdsShadePath* path = &ends->path[lane];
         const uint i = ends->slots[lane];
-        if (!shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
+        if (!shade_onTheWay(frame, scene, at, path, i, paths, counters, lists)) {
             shade_learnDomes(at, path, counters);
             at->isHit = false; /* nothing of a surface is known */
             const HdsLitPath lit = shade_litPath(at, path, 0u, i);
@@ -193,7 +193,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     }
     shadeHits_addLights(frame, scene, hits);
     hits->count = 0u;
-    if (shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
+    if (shade_onTheWay(frame, scene, at, path, i, paths, counters, lists)) {
         return;
     }
     uint step = HDS_SHADE_ENDS;

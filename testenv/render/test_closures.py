@@ -192,6 +192,16 @@ def test_what_absorbs_nothing_is_invisible_in_a_furnace(tmp_path):
     assert color == pytest.approx(np.ones(3), abs=5e-3)
 
 
+@pytest.mark.parametrize("bsdf, expected", [
+    (lambda c: c.Layer(c("sheen_bsdf", weight=0.05, roughness=0.5), c.Reflection(1e-4, scatter_mode="RT")), 1.0),
+    (lambda c: c("add_bsdf", in1=c.Reflection(1e-4, scatter_mode="T", tint=(0.9,) * 3), in2=c.Diffuse((0.05,) * 3)), 0.95)],
+    ids=["sheenOnGlass", "glassAndDiffuse"])
+def test_clear_walls_that_are_chosen_seldom_let_pass_what_they_would(tmp_path, bsdf, expected):
+    """Each closure counts by the inverse of its chance: then more than all of a ray may pass the one that is clear."""
+    picture = _Picture(tmp_path, _Surface(bsdf, thin_walled=True), lights=DOME, samples=1024, size=4, shape=shapes.Plane(8, 8), maxDepth=4)
+    assert picture.rgb.mean() == pytest.approx(expected, abs=0.005)
+
+
 @pytest.mark.parametrize("light", [DOME, (("Distant", dict(angle=0.0, intensity=1.0, placement=dict(rotate=(180, 0, 0)))),)],
                          ids=["dome", "sun"])
 def test_each_thin_wall_on_a_way_chooses_for_itself(tmp_path, light):

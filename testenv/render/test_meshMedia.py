@@ -85,6 +85,48 @@ def test_light_through_a_slab_follows_beers_law(tmp_path, medium, samples, toler
     assert left == pytest.approx(np.exp(-0.75 * _SIGMA), rel=tolerance)
 
 
+def test_walks_that_end_for_their_length_are_counted(tmp_path):
+    """1023 events are not enough for light that comes deep into a body of a thousand mean free paths."""
+    ended = lambda name, scattering: ours.Render(
+        _Stage(tmp_path / name, [(shapes.Box(2, 2, 2), dict(scattering=scattering), {})]), 4, 4, samples=64,
+        maxDepth=24).statistics["accuracy"]["endedWalks"]
+    assert ended("thin.usda", 2.0) == 0
+    assert ended("dense.usda", 500.0) > 10  # of 1024 paths; 3.5 % of those in a half-space
+
+
+def _LeftOfVeiledBox(sigma, opacity, count=60_000):
+    """What is left of light from all sides behind a box of 2^3 that scatters alike in all directions, halved by a veil at z = 0
+    that absorbs: walks by brute force, in double precision. (mean, its deviation)"""
+    rng = np.random.default_rng(1)
+    position = np.stack([rng.uniform(-0.05, 0.05, count), rng.uniform(-0.05, 0.05, count), np.full(count, 1.0)], 1)
+    direction = np.tile([0.0, 0.0, -1.0], (count, 1))
+    weight, left, index = np.ones(count), np.zeros(count), np.arange(count)
+    while len(index):
+        way = -np.log(1.0 - rng.random(len(index))) / sigma
+        with np.errstate(divide="ignore", invalid="ignore"):
+            out = np.min(np.where(direction > 0, (1 - position) / direction, np.where(direction < 0, (-1 - position) / direction, np.inf)), 1)
+            veil = -position[:, 2] / direction[:, 2]
+        weight = np.where((veil > 1e-12) & (veil < np.minimum(way, out)), weight * (1.0 - opacity), weight)
+        leaves = way >= out
+        left[index[leaves]] = weight[leaves]
+        stays = ~leaves & (weight > 1e-4)
+        position, weight, index = (position + way[:, None] * direction)[stays], weight[stays], index[stays]
+        z, turn = rng.uniform(-1, 1, len(index)), rng.uniform(0, 2 * np.pi, len(index))
+        radius = np.sqrt(1 - z * z)
+        direction = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], 1)
+    return left.mean(), left.std() / np.sqrt(count)
+
+
+def test_veils_in_a_body_that_scatters_are_chosen_anew_after_each_event(tmp_path):
+    def AddVeil(stage):
+        veil = AddSurface(stage, "/World/Veil", base=0.0, specular=0.0, opacity=(0.5,) * 3)
+        author.AddMesh(stage, "/World/Card", shapes.Plane(1.998, 1.998), material=veil, doubleSided=True, rotate=(90, 0, 0))
+
+    expected, deviation = _LeftOfVeiledBox(6.0, 0.5)  # 0.882; 0.918 were all crossings of a path alike
+    left = _Mean(_Stage(tmp_path / "s.usda", [(shapes.Box(2, 2, 2), dict(scattering=6.0), {})], width=0.1, add=AddVeil), 1024)
+    assert left == pytest.approx(np.full(3, expected), abs=0.003 + 4 * deviation)
+
+
 @pytest.mark.parametrize("name, inputs, sigma", [
     ("arnold:standard_volume", dict(density=2.0, transparent=(0.5, 0.25, 0.1), transparent_depth=2.0, scatter=0.0, emission_mode="none"),
      -np.log((0.5, 0.25, 0.1))),
