@@ -32,9 +32,9 @@ struct RenderStatistics {
     std::uint64_t shadePasses = 0;
     std::uint64_t shadeIterations = 0;
     std::uint64_t nanSamples = 0;
-    std::uint64_t clampedSamples = 0;        ///< times that what a path added was clamped
-    std::uint64_t endedPasses = 0;           ///< rays that passed HDS_MAX_PASSES cut-out surfaces
-    std::uint64_t endedWalks = 0;            ///< paths that media scattered HDS_MEDIUM_MAX_STEPS times
+    std::uint64_t clampedSamples = 0; ///< times that what a path added was clamped
+    std::uint64_t endedPasses = 0;    ///< rays that passed HDS_MAX_PASSES cut-out surfaces
+    std::uint64_t endedWalks = 0;     ///< paths that media scattered HDS_MEDIUM_MAX_STEPS times
     std::optional<double> meanRelativeError; ///< none of what an edit has ended
     std::uint32_t samples = 0;               ///< per pixel, the least over all pixels
     std::uint32_t streamedSamples = 0;       ///< of these, the last one for which geometry streamed

@@ -49,7 +49,7 @@
 #define HDS_COUNTER_WAITING_CANDIDATES 7
 #define HDS_COUNTER_READY 8
 #define HDS_COUNTER_CLAMPED 9 /* of what paths add: what HDS_FEATURE_PATH_LIMITS has clamped */
-#define HDS_COUNTER_STEPS 10 /* paths ended by HDS_MEDIUM_MAX_STEPS */
+#define HDS_COUNTER_STEPS 10  /* paths ended by HDS_MEDIUM_MAX_STEPS */
 #define HDS_NUM_COUNTERS 11
 
 /* Behind the counters, in lines of the cache of their own: the rays that met nothing, while the
