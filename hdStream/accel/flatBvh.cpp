@@ -3,14 +3,11 @@
 
 #include "hdStream/accel/bvh.h"
 #include "hdStream/accel/collapseCost.h"
-#include "hdStream/accel/flatPlaces.h"
-#include "hdStream/accel/leafSlots.h"
+#include "hdStream/accel/flatLeaves.h"
 #include "hdStream/accel/objectNumber.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-
-#include <glm/common.hpp>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +20,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kGrain = 1024; ///< leaves of a task
+
 /// Of a leaf, whatever it holds, relative to that of a node.
 constexpr float kLeafCost = 1.0F;
 
@@ -31,32 +29,8 @@ struct Unit {
     std::uint32_t place = 0;
     std::uint32_t chunk = 0;
     const std::uint8_t* page = nullptr;
-    std::uint32_t firstItem = 0;
-};
-
-/// The parts of a geometry page of triangles.
-struct PageParts {
-    const shared::HdsBvhNode* nodes;
-    const shared::HdsTriangle* triangles;
-    const std::uint32_t* primIds;
-    const float* vertices;
-
-    explicit PageParts(const std::uint8_t* page) {
-        shared::HdsPageHeader header{};
-        std::memcpy(&header, page, sizeof(header));
-        const auto part = [&](std::uint32_t offset) {
-            return page + std::size_t{offset} * HDS_POOL_UNIT_BYTES;
-        };
-        nodes = reinterpret_cast<const shared::HdsBvhNode*>(page + sizeof(header));
-        triangles = reinterpret_cast<const shared::HdsTriangle*>(part(header.triangles));
-        primIds = reinterpret_cast<const std::uint32_t*>(part(header.primIds));
-        vertices = reinterpret_cast<const float*>(part(header.vertices));
-    }
-    const float* Corner(std::uint32_t triangle, std::uint32_t corner) const {
-        const std::uint64_t index = triangles[triangle].vertices >> (corner * HDS_VERTEX_BITS) &
-                                    (HDS_MAX_CHUNK_VERTICES - 1U);
-        return vertices + 3 * index;
-    }
+    std::vector<FlatLeafPlan> leaves; ///< until they are items
+    std::size_t firstItem = 0;
 };
 
 /// A leaf before it is written: items refs[begin, begin + count).
@@ -101,65 +75,52 @@ private:
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint32_t chunk = object.itemBase + i;
                 const std::uint8_t* page = _source.page(chunk);
-                _units.push_back({place, chunk, page, 0});
+                _units.push_back({place, chunk, page, {}, 0});
                 _numTriangles += NumPrimitivesOfPage(page);
             }
         }
-        // The number of slots of each unit, then where its first one is.
         tbb::parallel_for(std::size_t{0}, _units.size(), [&](std::size_t index) {
             Unit& unit = _units[index];
-            ForEachLeafSlot(PageParts(unit.page).nodes, [&](const auto&, int, std::uint32_t,
-                                                            std::uint32_t) { ++unit.firstItem; });
+            unit.leaves = PlanFlatLeaves(PageParts(unit.page), _places.placements[unit.place]);
         });
+        std::size_t numItems = 0;
         for (Unit& unit : _units) {
-            _numSlots += std::exchange(unit.firstItem, _numSlots);
+            unit.firstItem = numItems;
+            numItems += unit.leaves.size();
         }
+        _triangles.resize(numItems);
     }
 
-    /// Boxes of the leaf slots of all pages, then of the instances that stay. The triangles of a
-    /// slot stay together: it takes half the time of single ones, and rays hardly longer.
+    /// References to the leaves of all pages, then to the instances that stay.
     std::vector<BoxRef> MakeItems() {
-        const std::size_t numItems = _numSlots + _places.instances.size();
-        std::vector<Bounds> boxes(numItems);
-        _unitOfItem.resize(numItems);
-        _sizeOfItem.assign(numItems, 1);
-        _firstTriangle.resize(_numSlots);
+        std::vector<Bounds> boxes;
+        for (const FlatInstance& instance : _places.instances) {
+            boxes.push_back(instance.bounds);
+        }
+        const std::vector<BoxRef> instances = MakeRefs(boxes);
+        const std::size_t numLeaves = _triangles.size();
+        std::vector<BoxRef> refs(numLeaves + instances.size());
+        _unitOfItem.resize(refs.size());
+        _sizeOfItem.assign(refs.size(), 1);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            refs[numLeaves + i] = instances[i];
+            refs[numLeaves + i].item = static_cast<std::uint32_t>(numLeaves + i);
+            _unitOfItem[numLeaves + i] = static_cast<std::uint32_t>(_units.size() + i);
+        }
         tbb::parallel_for(std::size_t{0}, _units.size(), [&](std::size_t index) {
-            const Unit& unit = _units[index];
-            const FlatPlacement& placement = _places.placements[unit.place];
-            const PageParts page(unit.page);
-            std::uint32_t item = unit.firstItem;
-            ForEachLeafSlot(page.nodes,
-                            [&](const auto&, int, std::uint32_t first, std::uint32_t count) {
-                                boxes[item] = BoxOf(page, first, count, placement);
-                                _unitOfItem[item] = static_cast<std::uint32_t>(index);
-                                _sizeOfItem[item] = static_cast<std::uint8_t>(count);
-                                _firstTriangle[item] = first;
-                                ++item;
-                            });
-        });
-        for (std::size_t i = 0; i < _places.instances.size(); ++i) {
-            boxes[_numSlots + i] = _places.instances[i].bounds;
-            _unitOfItem[_numSlots + i] = static_cast<std::uint32_t>(_units.size() + i);
-        }
-        return MakeRefs(boxes);
-    }
-
-    /// Of triangles [first, first + count).
-    static Bounds BoxOf(const PageParts& page, std::uint32_t first, std::uint32_t count,
-                        const FlatPlacement& placement) {
-        glm::dvec3 lo(std::numeric_limits<double>::max());
-        glm::dvec3 hi(-lo);
-        for (std::uint32_t i = 0; i < 3 * count; ++i) {
-            const float* p = page.Corner(first + i / 3, i % 3);
-            glm::dvec3 position(p[0], p[1], p[2]);
-            if (!placement.isInPlace) {
-                position = glm::dvec3(placement.worldFromObject * glm::dvec4(position, 1.0));
+            Unit& unit = _units[index];
+            std::size_t item = unit.firstItem;
+            for (const FlatLeafPlan& leaf : unit.leaves) {
+                refs[item] = leaf.box;
+                refs[item].item = static_cast<std::uint32_t>(item);
+                _unitOfItem[item] = static_cast<std::uint32_t>(index);
+                _sizeOfItem[item] = leaf.count;
+                _triangles[item] = leaf.triangles;
+                ++item;
             }
-            lo = glm::min(lo, position);
-            hi = glm::max(hi, position);
-        }
-        return WidenForFlat(lo, hi, placement.marginExponent);
+            unit.leaves = {};
+        });
+        return refs;
     }
 
     struct Pending {
@@ -175,6 +136,8 @@ private:
         if (_places.places.empty()) {
             _places.places.emplace_back();
         }
+        _nodes.reserve(binary.count / 6 + 1);
+        _leaves.reserve(binary.count + 1);
         _nodes.emplace_back();
         std::vector<Pending> stack = {{0, binary.Root(), 1}};
         while (!stack.empty()) {
@@ -226,8 +189,8 @@ private:
                 continue;
             }
             const std::uint32_t item = binary.refs[child.tree.begin].item;
-            if (item >= _numSlots) {
-                node.child[slot] = ChildOf(_places.instances[item - _numSlots].record);
+            if (item >= _triangles.size()) {
+                node.child[slot] = ChildOf(_places.instances[item - _triangles.size()].record);
             } else {
                 node.child[slot] = HDS_FLAT_LEAF | static_cast<std::uint32_t>(_leaves.size());
                 _leaves.push_back({child.tree.begin, child.tree.count});
@@ -244,7 +207,7 @@ private:
         leaf->triangle[lane] = triangle;
         leaf->primId[lane] = page.primIds[triangle];
         for (std::uint32_t corner = 0; corner < 3; ++corner) {
-            const float* p = page.Corner(triangle, corner);
+            const float* p = page.vertices + std::size_t{3} * page.Corner(triangle, corner);
             for (int axis = 0; axis < 3; ++axis) {
                 leaf->positions[corner][axis][lane] = p[axis];
             }
@@ -263,7 +226,7 @@ private:
         for (std::uint32_t i = 0; i < planned.count; ++i) {
             const std::uint32_t item = binary.refs[planned.begin + i].item;
             for (std::uint32_t k = 0; k < _sizeOfItem[item]; ++k) {
-                AddTriangle(page, _firstTriangle[item] + k, &leaf);
+                AddTriangle(page, _triangles[item][k], &leaf);
             }
         }
         return leaf;
@@ -308,9 +271,8 @@ private:
     std::vector<Unit> _units;
     // Of the items:
     std::vector<std::uint32_t> _unitOfItem;
-    std::vector<std::uint8_t> _sizeOfItem;     ///< triangles
-    std::vector<std::uint32_t> _firstTriangle; ///< chunk-local; [_numSlots]
-    std::uint32_t _numSlots = 0;
+    std::vector<std::uint8_t> _sizeOfItem; ///< triangles
+    std::vector<FlatTriangles> _triangles; ///< of those that are leaves of pages
     std::uint64_t _numTriangles = 0;
     std::vector<shared::HdsFlatNode> _nodes;
     std::vector<PlannedLeaf> _leaves;

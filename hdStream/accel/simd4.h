@@ -25,6 +25,11 @@ inline Float4 LoadBox(const float* xyz) {
     const __m128 mask = _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1));
     return {_mm_and_ps(_mm_load_ps(xyz), mask)};
 }
+/// Of a position anywhere; four floats are there to read.
+inline Float4 LoadPosition(const float* xyz) {
+    const __m128 mask = _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1));
+    return {_mm_and_ps(_mm_loadu_ps(xyz), mask)};
+}
 inline void Store(float* xyzw, Float4 a) {
     _mm_store_ps(xyzw, a.lanes);
 }
@@ -65,6 +70,9 @@ inline Float4 Splat(float x) {
 }
 inline Float4 LoadBox(const float* xyz) {
     return {{xyz[0], xyz[1], xyz[2], 0.0F}};
+}
+inline Float4 LoadPosition(const float* xyz) {
+    return LoadBox(xyz);
 }
 inline void Store(float* xyzw, Float4 a) {
     for (int i = 0; i < 4; ++i) {
