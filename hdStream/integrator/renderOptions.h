@@ -149,6 +149,7 @@ struct Progress {
     /// all pages are made before the first ray, chunks whose pages are there.
     WorkCount prims;
     WorkCount chunks;
+    WorkCount textures; ///< the same, of lines (Session::Prepare)
 };
 
 /// Return false to stop; what was rendered so far stays in the film.
