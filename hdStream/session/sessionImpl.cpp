@@ -319,20 +319,26 @@ RenderResult Session::Impl::Prepare(const Settings& settings, const CameraPrim& 
         return RenderResult::Stopped;
     }
     const GeometryPages& pages = *made->pages;
-    if (!made->pages->PrepareAll(isCancelled, &chunksMade, pages.NumInstanceChunks())) {
+    const auto mustStop = [&] {
+        if (pageStore->Statistics().pagesNotKept > notKeptBefore) {
+            throw Error("the cache has no room for all pages: " + store->Directory());
+        }
+        return isCancelled();
+    };
+    if (!made->pages->PrepareAll(mustStop, &chunksMade, pages.NumInstanceChunks())) {
         return RenderResult::Stopped;
     }
     const std::uint32_t numTextures = made->textureLines->NumTextures();
     for (std::uint32_t begin = 0; begin < numTextures; begin += kTexturesAtOnce) {
         const std::uint32_t end = std::min(numTextures, begin + kTexturesAtOnce);
         texturesMade = {begin, numTextures};
-        if (isCancelled()) {
+        if (mustStop()) {
             return RenderResult::Stopped;
         }
         made->textureLines->MakeAll(begin, end);
     }
-    if (pageStore->Statistics().pagesNotKept > notKeptBefore) {
-        throw Error("the cache has no room for all pages: " + store->Directory());
+    if (mustStop()) {
+        return RenderResult::Stopped;
     }
     amount->chunks = pages.NumChunks() - pages.NumInstanceChunks();
     amount->chunksBuilt = cache.pages.NumBuilt();
