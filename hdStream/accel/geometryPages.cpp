@@ -116,13 +116,15 @@ void PreparedPages::Clear() {
     }
 }
 
-bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made) {
+bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made,
+                               std::uint32_t first) {
+    const std::size_t numChunks = _chunks.size() - first;
     std::vector<PreparedPages::Wanted> batch;
     std::uint64_t bytes = 0;
-    for (std::size_t i = 0; i <= _chunks.size(); ++i) {
+    for (std::size_t i = first; i <= _chunks.size(); ++i) {
         if (i == _chunks.size() || bytes >= kBatchBytes) {
             if (made != nullptr) {
-                *made = {i - batch.size(), _chunks.size()};
+                *made = {i - first - batch.size(), numChunks};
             }
             if (isCancelled && isCancelled()) {
                 return false;
@@ -142,7 +144,7 @@ bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCou
         }
     }
     if (made != nullptr) {
-        *made = {_chunks.size(), _chunks.size()};
+        *made = {numChunks, numChunks};
     }
     return true;
 }

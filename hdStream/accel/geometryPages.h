@@ -87,12 +87,16 @@ public:
 
     /// Prepares all chunks once, so that all sizes are exact; what host memory cannot hold is
     /// forgotten again. \param made chunks of which pages are there, before each question; may be
-    /// null. \return false when `isCancelled` said so.
-    bool PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made = nullptr);
+    /// null. \param first number of the first chunk that counts. \return false when `isCancelled`
+    /// said so.
+    bool PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made = nullptr,
+                    std::uint32_t first = 0);
 
     /// Bytes of all pages. \param[out] isExact whether they are no upper bound.
     std::uint64_t TotalBytes(bool* isExact = nullptr) const;
 
+    /// Chunks of instances come first, of which nothing is kept in the store.
+    std::uint32_t NumInstanceChunks() const { return _numInstanceChunks; }
     std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_chunks.size()); }
     std::uint32_t NumPages() const override {
         return ChunkPages::kNumPages * static_cast<std::uint32_t>(_chunks.size());

@@ -114,6 +114,7 @@ struct ResidencyOptions {
     double budgetShare = 0.0;
     Eviction eviction = Eviction::Lru;
     bool requestsFirst = false; ///< rays ask for the first missing chunk they meet, not the nearest
+    std::uint32_t pageEntries = 0; ///< StreamingPool::SetHashEntries
     /// Of the pool for textures, as budgetBytes and budgetShare.
     std::uint64_t textureBudgetBytes = 0;
     double textureBudgetShare = 0.0;
@@ -126,7 +127,7 @@ struct ResidencyOptions {
         return FieldList(
             HDS_FIELD(ResidencyOptions, mode), HDS_FIELD(ResidencyOptions, budgetBytes),
             HDS_FIELD(ResidencyOptions, budgetShare), HDS_FIELD(ResidencyOptions, eviction),
-            HDS_FIELD(ResidencyOptions, requestsFirst),
+            HDS_FIELD(ResidencyOptions, requestsFirst), HDS_FIELD(ResidencyOptions, pageEntries),
             HDS_FIELD(ResidencyOptions, textureBudgetBytes),
             HDS_FIELD(ResidencyOptions, textureBudgetShare),
             HDS_FIELD(ResidencyOptions, volumeBudgetBytes),
@@ -149,6 +150,7 @@ struct Progress {
     /// all pages are made before the first ray, chunks whose pages are there.
     WorkCount prims;
     WorkCount chunks;
+    WorkCount textures; ///< the same, of lines (Session::Prepare)
 };
 
 /// Return false to stop; what was rendered so far stays in the film.

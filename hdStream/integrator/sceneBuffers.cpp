@@ -120,6 +120,7 @@ void SceneBuffers::MakePool(PoolKind kind, const ResidencyOptions& residency) {
         _pool = std::make_unique<ResidentPool>(_device, label);
     } else {
         auto pool = MakeStreamingPool(_device, label, residency.eviction, residency.requestsFirst);
+        pool->SetHashEntries(residency.pageEntries);
         _streaming = pool.get();
         _pool = std::move(pool);
     }

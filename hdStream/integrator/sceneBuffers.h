@@ -63,7 +63,7 @@ public:
     bool IsMapped() const { return _pool != nullptr && _poolKind == PoolKind::Mapped; }
     /// Whether it lies in a pool made for streaming.
     bool HasStreamingPool() const { return _streaming != nullptr; }
-    /// \pre IsStreaming.
+    /// \pre HasStreamingPool.
     StreamingPool& Streaming() { return *_streaming; }
     const StreamingPool& Streaming() const { return *_streaming; }
 

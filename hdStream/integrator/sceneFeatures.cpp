@@ -110,6 +110,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
     features.streaming = isStreaming;
     features.requestsFirst = features.streaming && residency.requestsFirst;
+    features.pageHash = features.streaming && buffers.Streaming().HasPageHash();
     return features;
 }
 

@@ -37,6 +37,7 @@ struct KnownPage {
     StoredPage stored;
     std::uint32_t segment = 0;
     bool isVerified = false;
+    bool isUsed = false; ///< PageStore::UsedPages
 };
 
 /// A page to read or write without a lock; its segment stays open meanwhile.
@@ -71,7 +72,7 @@ struct PageStore::Impl {
 
     void OpenSegments();
     void AddSegment(std::shared_ptr<PageSegment> segment, const std::vector<IndexedPage>& indexed);
-    std::optional<FoundPage> Find(const PageKey& key) const;
+    std::optional<FoundPage> Find(const PageKey& key);
     std::optional<FoundPage> FindVerified(const PageKey& key);
     void Reject(const PageKey& key, const FoundPage& page);
     std::optional<FoundPage> Reserve(std::uint64_t bytes);
@@ -101,11 +102,15 @@ struct PageStore::Impl {
     std::atomic<std::uint64_t> bytesSaved{0};
     std::atomic<std::uint64_t> pagesRejected{0};
     std::atomic<std::uint64_t> pagesNotKept{0};
+    std::atomic<std::uint64_t> numUsed{0};
 };
 
 void PageStore::Impl::OpenSegments() {
-    const std::uint64_t taken = TrimSegments(options.directory, options.maxBytes);
-    std::uint64_t mayGrowBy = options.maxBytes - std::min(options.maxBytes, taken);
+    std::uint64_t mayGrowBy = 0;
+    if (!options.isReadOnly) {
+        const std::uint64_t taken = TrimSegments(options.directory, options.maxBytes);
+        mayGrowBy = options.maxBytes - std::min(options.maxBytes, taken);
+    }
     std::vector<IndexedPage> indexed;
     for (const std::string& path : ListSegments(options.directory)) {
         indexed.clear();
@@ -130,18 +135,31 @@ void PageStore::Impl::AddSegment(std::shared_ptr<PageSegment> segment,
     segments.push_back(std::move(segment));
     pages.reserve(pages.size() + indexed.size());
     for (const IndexedPage& page : indexed) {
-        pages[page.key] = {page.page, number, false};
+        pages[page.key] = {page.page, number, false, false};
     }
 }
 
-std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) const {
-    const std::shared_lock<std::shared_mutex> lock(mutex);
-    const auto found = pages.find(key);
-    if (found == pages.end()) {
-        return std::nullopt;
+/// A page, which is used from now on.
+std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) {
+    std::optional<FoundPage> result;
+    {
+        const std::shared_lock<std::shared_mutex> lock(mutex);
+        const auto found = pages.find(key);
+        if (found == pages.end()) {
+            return std::nullopt;
+        }
+        const KnownPage& page = found->second;
+        result = FoundPage{page.stored, page.segment, page.isVerified, segments[page.segment]};
+        if (page.isUsed) {
+            return result;
+        }
     }
-    const KnownPage& page = found->second;
-    return FoundPage{page.stored, page.segment, page.isVerified, segments[page.segment]};
+    const std::unique_lock<std::shared_mutex> lock(mutex);
+    if (const auto found = pages.find(key); found != pages.end() && !found->second.isUsed) {
+        found->second.isUsed = true;
+        ++numUsed;
+    }
+    return result;
 }
 
 /// A page that is verified now, and marked as used.
@@ -283,7 +301,7 @@ PageStore::PageStore(PageStoreOptions options, Warnings* warnings) {
     options.enabled = options.enabled && !options.directory.empty();
     _impl = std::make_unique<Impl>(std::move(options), warnings);
     if (_impl->options.enabled) {
-        _impl->isWriting = true;
+        _impl->isWriting = !_impl->options.isReadOnly;
         _impl->OpenSegments();
     }
 }
@@ -317,7 +335,7 @@ bool PageStore::Load(const PageKey& key, std::vector<std::uint8_t>* bytes) {
 }
 
 bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
-    if (Contains(key)) {
+    if (_impl->Find(key)) {
         return true;
     }
     if (!_impl->isWriting || _impl->process != ::getpid()) {
@@ -341,7 +359,8 @@ bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
     _impl->bytesSaved += bytes;
     const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
     if (_impl->segments[page->number] != nullptr) { // else Clear() came in between
-        _impl->pages.emplace(key, KnownPage{page->stored, page->number, true});
+        _impl->pages.emplace(key, KnownPage{page->stored, page->number, true, true});
+        ++_impl->numUsed;
     }
     return true;
 }
@@ -399,6 +418,30 @@ PageStoreStatistics PageStore::Statistics() const {
     statistics.pagesRejected = _impl->pagesRejected;
     statistics.pagesNotKept = _impl->pagesNotKept;
     return statistics;
+}
+
+std::vector<PageKey> PageStore::UsedPages() const {
+    const std::shared_lock<std::shared_mutex> lock(_impl->mutex);
+    std::vector<PageKey> keys;
+    for (const auto& [key, page] : _impl->pages) {
+        if (page.isUsed) {
+            keys.push_back(key);
+        }
+    }
+    return keys;
+}
+
+std::uint64_t PageStore::NumUsed() const {
+    return _impl->numUsed;
+}
+
+PageAmount PageStore::Amount() const {
+    const std::shared_lock<std::shared_mutex> lock(_impl->mutex);
+    PageAmount amount{_impl->pages.size(), 0};
+    for (const auto& entry : _impl->pages) {
+        amount.bytes += entry.second.stored.bytes;
+    }
+    return amount;
 }
 
 std::uint64_t PageStore::Size() const {

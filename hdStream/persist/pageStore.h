@@ -21,6 +21,7 @@ namespace hds {
 struct PageStoreOptions {
     std::string directory;                    ///< as ResolveCacheDirectory takes it
     bool enabled = true;                      ///< false: nothing is found, nothing is kept
+    bool isReadOnly = false;                  ///< nothing is kept, and nothing leaves
     std::uint64_t maxBytes = 32ULL << 30U;    ///< of all segments; see PageStore about leaving
     std::uint64_t segmentBytes = 1ULL << 30U; ///< of a new segment, at most an eighth of maxBytes
 };
@@ -59,6 +60,12 @@ struct PageStoreStatistics {
     std::uint64_t bytesSaved = 0;
     std::uint64_t pagesRejected = 0; ///< damaged: absent from then on
     std::uint64_t pagesNotKept = 0;  ///< not saved, for lack of room or after a failure
+};
+
+/// Some pages.
+struct PageAmount {
+    std::uint64_t pages = 0;
+    std::uint64_t bytes = 0;
 };
 
 /// Pages by key. All methods are thread-safe, none throws for what it finds in the folder.
@@ -106,6 +113,13 @@ public:
     std::uint64_t SegmentBytes(std::uint32_t segment) const;
 
     PageStoreStatistics Statistics() const;
+
+    /// The pages that this store has loaded, saved or told the length of, of those that are there.
+    std::vector<PageKey> UsedPages() const;
+    /// How many pages were used; grows whenever UsedPages does.
+    std::uint64_t NumUsed() const;
+    /// How many pages there are, and their bytes.
+    PageAmount Amount() const;
 
     /// Bytes of all segments in the folder.
     std::uint64_t Size() const;

@@ -173,6 +173,18 @@ void Store::Trim() {
     }
 }
 
+std::vector<std::string> Store::Keys(const std::string& kind) const {
+    std::vector<std::string> keys;
+    for (const Entry& entry : ListEntries(_directory)) {
+        const std::string name = entry.path.stem().string();
+        if (name.compare(0, kind.size() + 1, kind + "-") == 0) {
+            keys.push_back(name.substr(kind.size() + 1));
+        }
+    }
+    std::sort(keys.begin(), keys.end());
+    return keys;
+}
+
 std::uint64_t Store::Clear() {
     std::uint64_t freed = 0;
     for (const Entry& entry : ListEntries(_directory)) {

@@ -36,6 +36,9 @@ public:
     /// Keeps the payload. Failure warns once and switches the store off.
     void Save(const std::string& kind, const std::string& key, const void* data, std::size_t bytes);
 
+    /// The keys of all entries of a kind, sorted.
+    std::vector<std::string> Keys(const std::string& kind) const;
+
     /// Deletes all entries; returns their bytes.
     std::uint64_t Clear();
 

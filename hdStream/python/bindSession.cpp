@@ -10,6 +10,7 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
@@ -56,13 +57,39 @@ Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
     };
 }
 
-/// Renders without the GIL. The callbacks (Progress) -> bool and () -> bool are looked at after
-/// every wave and inside of waves, pending signals with both; an exception of any stops the render
-/// and is raised when it has ended.
-RenderResult Render(Session& session, const Settings& settings, nb::object onProgress,
-                    const std::vector<FilmSums>& start, nb::object isCancelled) {
-    std::optional<nb::python_error> raised;
-    const auto mayGoOn = [&](const auto& callback) {
+/// Callbacks (Progress) -> bool and () -> bool of Python that the core asks without the GIL.
+/// Pending signals are looked at with both; an exception of any stops what goes on, and is raised
+/// after it.
+class Callbacks {
+public:
+    Callbacks(nb::object onProgress, nb::object isCancelled)
+        : _onProgress(std::move(onProgress)), _isCancelled(std::move(isCancelled)) {}
+
+    ProgressCallback OnProgress() {
+        return [this](const Progress& progress) {
+            return MayGoOn(
+                [&] { return _onProgress.is_none() || nb::cast<bool>(_onProgress(progress)); });
+        };
+    }
+
+    RenderWatch Watch() {
+        RenderWatch watch;
+        watch.isCancelled = [this] {
+            return !MayGoOn(
+                [&] { return _isCancelled.is_none() || !nb::cast<bool>(_isCancelled()); });
+        };
+        return watch;
+    }
+
+    void Raise() {
+        if (_raised) {
+            throw nb::python_error(std::move(*_raised));
+        }
+    }
+
+private:
+    template <typename Callback>
+    bool MayGoOn(const Callback& callback) {
         const nb::gil_scoped_acquire gil;
         try {
             if (PyErr_CheckSignals() != 0) {
@@ -70,27 +97,41 @@ RenderResult Render(Session& session, const Settings& settings, nb::object onPro
             }
             return callback();
         } catch (nb::python_error& error) {
-            raised.emplace(std::move(error));
+            _raised.emplace(std::move(error));
             return false;
         }
-    };
-    const auto onReport = [&](const Progress& progress) {
-        return mayGoOn(
-            [&] { return onProgress.is_none() || nb::cast<bool>(onProgress(progress)); });
-    };
-    RenderWatch watch;
-    watch.isCancelled = [&] {
-        return !mayGoOn([&] { return isCancelled.is_none() || !nb::cast<bool>(isCancelled()); });
-    };
+    }
+
+    nb::object _onProgress;
+    nb::object _isCancelled;
+    std::optional<nb::python_error> _raised;
+};
+
+/// Renders without the GIL. `onProgress` is asked after every wave, `isCancelled` inside of waves.
+RenderResult Render(Session& session, const Settings& settings, nb::object onProgress,
+                    const std::vector<FilmSums>& start, nb::object isCancelled) {
+    Callbacks callbacks(std::move(onProgress), std::move(isCancelled));
     RenderResult result = RenderResult::Stopped;
     {
         const nb::gil_scoped_release released;
-        result = session.Render(settings, onReport, start, watch);
+        result = session.Render(settings, callbacks.OnProgress(), start, callbacks.Watch());
     }
-    if (raised) {
-        throw nb::python_error(std::move(*raised));
-    }
+    callbacks.Raise();
     return result;
+}
+
+/// Session::Prepare without the GIL. \return nothing when it was cancelled.
+std::optional<PreparedAmount> Prepare(Session& session, const Settings& settings,
+                                      nb::object onProgress) {
+    Callbacks callbacks(std::move(onProgress), nb::none());
+    PreparedAmount amount;
+    RenderResult result = RenderResult::Stopped;
+    {
+        const nb::gil_scoped_release released;
+        result = session.Prepare(settings, callbacks.OnProgress(), &amount);
+    }
+    callbacks.Raise();
+    return result == RenderResult::Complete ? std::make_optional(amount) : std::nullopt;
 }
 
 void BindErrors(nb::module_& module) {
@@ -174,9 +215,22 @@ void BindDevices(nb::module_& module) {
     module.def("FindDevice", &FindDevice, ReleaseGil(), "name"_a,
                "The device that renders when it is asked for by that part of its name.");
 
+    nb::class_<CachedStage>(module, "CachedStage", "Pages of the cache that belong to a stage.")
+        .def_ro("file", &CachedStage::file)
+        .def_ro("pages", &CachedStage::pages)
+        .def_ro("bytes", &CachedStage::bytes);
     nb::class_<CacheState>(module, "CacheState", "The persistent cache.")
         .def_ro("directory", &CacheState::directory)
-        .def_ro("bytes", &CacheState::bytes);
+        .def_ro("bytes", &CacheState::bytes)
+        .def_ro("stages", &CacheState::stages)
+        .def_ro("otherPages", &CacheState::otherPages)
+        .def_ro("otherBytes", &CacheState::otherBytes);
+    nb::class_<PreparedAmount>(module, "PreparedAmount", "What Session.Prepare has left there.")
+        .def_ro("chunks", &PreparedAmount::chunks)
+        .def_ro("chunksBuilt", &PreparedAmount::chunksBuilt)
+        .def_ro("chunkBytes", &PreparedAmount::chunkBytes)
+        .def_ro("textures", &PreparedAmount::textures)
+        .def_ro("texturesBuilt", &PreparedAmount::texturesBuilt);
     module.def("KernelSourceHash", &KernelSourceHash,
                "Of all kernel sources: equal bits need equal kernels.");
     module.def("InspectCache", &InspectCache, ReleaseGil(), "directory"_a);
@@ -200,7 +254,8 @@ void BindDevices(nb::module_& module) {
         .def_ro("secondsLeft", &Progress::secondsLeft)
         .def_ro("previewStride", &Progress::previewStride)
         .def_ro("prims", &Progress::prims)
-        .def_ro("chunks", &Progress::chunks);
+        .def_ro("chunks", &Progress::chunks)
+        .def_ro("textures", &Progress::textures);
 }
 
 } // namespace
@@ -233,6 +288,9 @@ void BindSession(nb::module_& module) {
         .def("Dump", &Session::Dump, ReleaseGil())
         .def("Info", &Session::Info, ReleaseGil())
         .def("Warm", &Session::Warm, ReleaseGil(), "settings"_a)
+        .def("SetStageFile", &Session::SetStageFile, "file"_a)
+        .def("Prepare", &Prepare, "settings"_a, "onProgress"_a = nb::none(),
+             "What was prepared; None when it was cancelled.")
         .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none(),
              "start"_a = std::vector<FilmSums>(), "isCancelled"_a = nb::none())
         .def("Film", &Session::Film, ReleaseGil())

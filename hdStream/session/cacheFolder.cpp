@@ -3,7 +3,7 @@
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/generalKernels.h"
 #include "hdStream/integrator/stageKernels.h"
-#include "hdStream/persist/pageStore.h"
+#include "hdStream/persist/stagePages.h"
 #include "hdStream/session/session.h"
 #include "hdStream/texture/texturePool.h"
 
@@ -22,8 +22,20 @@ PageStore UnopenedPages(const std::string& directory) {
 } // namespace
 
 CacheState InspectCache(const std::string& directory) {
-    const Store store({directory, true}, nullptr);
-    return {store.Directory(), store.Size() + UnopenedPages(directory).Size()};
+    Store store({directory, true}, nullptr);
+    PageStoreOptions options{directory};
+    options.isReadOnly = true;
+    const PageStore pages(options, nullptr);
+    CacheState state;
+    state.directory = store.Directory();
+    state.bytes = store.Size() + pages.Size();
+    PageAmount rest;
+    for (const StagePages& stage : ListStagePages(&store, pages, &rest)) {
+        state.stages.push_back({stage.stage, stage.amount.pages, stage.amount.bytes});
+    }
+    state.otherPages = rest.pages;
+    state.otherBytes = rest.bytes;
+    return state;
 }
 
 std::uint64_t ClearCache(const std::string& directory) {

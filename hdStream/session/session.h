@@ -39,10 +39,29 @@ using DeviceInfo = DeviceProperties;
 /// All OpenCL devices of the machine. Never throws: no device gives an empty list.
 std::vector<DeviceInfo> ListDevices();
 
+/// Pages of the persistent cache that belong to a stage (persist/stagePages.h).
+struct CachedStage {
+    std::string file; ///< of the root layer
+    std::uint64_t pages = 0;
+    std::uint64_t bytes = 0;
+};
+
 /// The persistent cache as `hdstream cache` shows it.
 struct CacheState {
     std::string directory;
-    std::uint64_t bytes = 0;
+    std::uint64_t bytes = 0;         ///< of all files
+    std::vector<CachedStage> stages; ///< by name; what several share is counted for each
+    std::uint64_t otherPages = 0;    ///< of no stage that is known
+    std::uint64_t otherBytes = 0;
+};
+
+/// What Session::Prepare has left in the persistent cache.
+struct PreparedAmount {
+    std::uint64_t chunks = 0;
+    std::uint64_t chunksBuilt = 0; ///< the others were there
+    std::uint64_t chunkBytes = 0;  ///< of the pages of all chunks
+    std::uint64_t textures = 0;
+    std::uint64_t texturesBuilt = 0; ///< of which nothing was there
 };
 
 /// \param directory as Settings::cacheDirectory.
@@ -108,6 +127,16 @@ public:
     /// they are made on a thread of their own, and Render waits for them when the scene is
     /// committed. What fails is left to Render, which tells of it.
     void Warm(const Settings& settings);
+
+    /// The file of the scene's stage: what renders use of the persistent cache is noted under this
+    /// name (`hdstream cache`). Empty: nothing is noted.
+    void SetStageFile(const std::string& file);
+
+    /// Makes all pages that renders of these settings may use, as far as the persistent cache does
+    /// not have them: of geometry and of textures, whatever the camera sees. Needs no device.
+    /// Blocks. Stops as Render does. \throws Error as Render, and when the cache does not take all.
+    RenderResult Prepare(const Settings& settings, const ProgressCallback& onProgress,
+                         PreparedAmount* amount);
 
     /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`
     /// returns false; that is asked while the scene is prepared too. `watch` may stop it sooner.

@@ -146,6 +146,7 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
     options.budgetShare = memory.share;
     options.eviction = EnumOf<Eviction>("geometryEviction", settings.geometryEviction);
     options.requestsFirst = settings.request == "first";
+    options.pageEntries = settings.pageEntries;
     const MemorySize textures = MemoryOf(settings.textureMemory);
     options.textureBudgetBytes = textures.bytes;
     options.textureBudgetShare = textures.share;

@@ -56,9 +56,14 @@ Json GeometrySection(const StatisticsInput& in) {
     const StreamingStatistics pool = buffers.PoolStatistics();
     bool isExact = false;
     const std::uint64_t bytesTotal = in.scene->pages->TotalBytes(&isExact);
-    // What kernels tell of uses.
-    const std::uint64_t streamingTableBytes =
-        buffers.HasStreamingPool() ? sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
+    // A word a page is counted; another is what kernels tell of uses.
+    const std::uint64_t wordBytes = sizeof(std::uint32_t) * in.scene->pages->NumPages();
+    std::uint64_t alwaysResidentBytes = counts.alwaysResidentBytes;
+    if (buffers.HasStreamingPool() && buffers.Streaming().HasPageHash()) {
+        alwaysResidentBytes += buffers.Streaming().TableBytes() - wordBytes;
+    } else if (buffers.HasStreamingPool()) {
+        alwaysResidentBytes += wordBytes;
+    }
     return {{"mode", buffers.IsStreaming() ? "stream"
                      : buffers.IsMapped()  ? "mapped"
                                            : "resident"},
@@ -75,13 +80,14 @@ Json GeometrySection(const StatisticsInput& in) {
             {"budget", buffers.PoolBytes()},
             {"peakBytes", buffers.PeakUsedBytes()},
             {"pinnedBytes", buffers.PinnedBytes()},
-            {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
+            {"alwaysResidentBytes", alwaysResidentBytes},
             {"flatTriangles", buffers.Flat().NumTriangles()},
             {"flatBytes", buffers.Flat().Bytes()},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},
             {"evictions", pool.evictions},
+            {"requestsDropped", pool.requestsDropped},
             {"rayBatches", render.rayBatches},
             {"briefBatches", render.briefBatches},
             {"iterations", render.iterations},

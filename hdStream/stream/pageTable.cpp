@@ -23,6 +23,7 @@ std::vector<std::uint32_t> PageTable::Renumber(const std::vector<std::uint64_t>&
     for (std::size_t page = 0; page < _pages.size(); ++page) {
         if (!isKept[page] && _pages[page].range.bytes > 0) {
             _placedBytes -= _pages[page].range.bytes;
+            --_numPlaced;
             _ranges.Free(_pages[page].range);
         }
     }
@@ -38,6 +39,7 @@ std::vector<std::uint32_t> PageTable::Renumber(const std::vector<std::uint64_t>&
 void PageTable::SetBuffers(const std::vector<std::uint64_t>& sizes, std::uint64_t pinnedBytes) {
     _ranges = {};
     _placedBytes = 0;
+    _numPlaced = 0;
     for (const std::uint64_t size : sizes) {
         _ranges.AddBuffer(size);
     }
@@ -66,11 +68,13 @@ bool PageTable::FindPlace(std::uint32_t page, std::uint64_t bytes) {
         return false;
     }
     _placedBytes += bytes;
+    ++_numPlaced;
     return true;
 }
 
 void PageTable::Remove(std::uint32_t page) {
     _placedBytes -= _pages[page].range.bytes;
+    --_numPlaced;
     _ranges.Free(_pages[page].range);
     _pages[page].range = {};
     _words[page] = HDS_NOT_RESIDENT;

@@ -40,8 +40,9 @@ public:
     /// Whether a page has a place, and where it is.
     bool HasPlace(std::uint32_t page) const { return _pages[page].range.bytes > 0; }
     const PoolRange& Place(std::uint32_t page) const { return _pages[page].range; }
-    /// Bytes of all pages that have one.
+    /// Bytes of all pages that have one, and how many these are.
     std::uint64_t PlacedBytes() const { return _placedBytes; }
+    std::uint32_t NumPlaced() const { return _numPlaced; }
     /// Finds a place for a page that has none. \return false when there is no room.
     bool FindPlace(std::uint32_t page, std::uint64_t bytes);
     /// Takes a page's place; its word says so at once.
@@ -67,6 +68,7 @@ private:
     std::vector<Entry> _pages;
     std::vector<std::uint32_t> _words;
     std::uint64_t _placedBytes = 0;
+    std::uint32_t _numPlaced = 0;
 };
 
 /// Sorts what is kept of each page by its new numbers. \param previous as of PageTable::Renumber.

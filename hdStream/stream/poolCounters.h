@@ -16,9 +16,10 @@ struct StreamingStatistics {
     std::uint64_t uniqueBytes = 0;  ///< of pages loaded at least once
     std::uint64_t groupUploads = 0; ///< of pages of groups that were asked for whole
     std::uint64_t evictions = 0;
-    std::uint64_t chunksUsed = 0; ///< groups of which a page was asked for and loaded, or used
-    double prepareSeconds = 0.0;  ///< making the bytes of pages
-    double requestSeconds = 0.0;  ///< reading requests, choosing, publishing
+    std::uint64_t requestsDropped = 0; ///< found no room in a table of requests, and were repeated
+    std::uint64_t chunksUsed = 0;      ///< groups of which a page was asked for and loaded, or used
+    double prepareSeconds = 0.0;       ///< making the bytes of pages
+    double requestSeconds = 0.0;       ///< reading requests, choosing, publishing
     double transferSeconds = 0.0;
 };
 
@@ -58,6 +59,9 @@ public:
     void CountEvictions(std::uint64_t count) { _statistics.evictions += count; }
     /// The loaded pages have so many bytes.
     void SetHeld(std::uint64_t bytes) { _held.Set(bytes); }
+
+    /// So many requests have found no room.
+    void CountDropped(std::uint64_t count) { _statistics.requestsDropped += count; }
 
     void AddPrepareSeconds(double seconds) { _statistics.prepareSeconds += seconds; }
     void AddRequestSeconds(double seconds) { _statistics.requestSeconds += seconds; }

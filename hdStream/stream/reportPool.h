@@ -43,6 +43,7 @@ public:
 
 protected:
     void PublishTable() override;
+    bool MayHash() const override { return false; }
 
 private:
     std::vector<bool> _isDone; ///< of the present batch

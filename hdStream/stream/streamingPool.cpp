@@ -27,6 +27,8 @@ constexpr std::uint64_t kSpareDivisor = 8;
 constexpr std::uint64_t kPinDivisor = 4;
 /// An edit that wants so many times the room for pinned pages empties the pool.
 constexpr std::uint64_t kPinGrowth = 2;
+/// Of so many pages for each entry two words a page take more of the device than hash tables.
+constexpr std::uint64_t kLeastPagesPerEntry = 2;
 
 constexpr std::uint64_t kUseHeaderBytes = HDS_USE_HEADER * sizeof(std::uint32_t);
 
@@ -55,10 +57,11 @@ bool StreamingPool::Update(PageProvider* provider, std::uint64_t budgetBytes) {
     const bool isKept = std::min(limit, totalBytes) <= _bytes && budgetBytes >= _bytes;
     const std::uint64_t spare = _bytes > 0 ? totalBytes / kSpareDivisor : 0;
     const std::uint64_t bytes = isKept ? _bytes : std::min(limit, RoundDown(totalBytes + spare));
+    ChooseHash(bytes);
     const std::uint64_t pinLimit = PinLimit(bytes, largest);
     const std::uint64_t pinned = ChoosePinned(pinLimit);
     const std::uint64_t apart = _table.PinLimit();
-    if (isKept && apart <= pinLimit && pinned / kPinGrowth <= apart) {
+    if (isKept && HasEntry() && apart <= pinLimit && pinned / kPinGrowth <= apart) {
         ChoosePinned(apart);
         _counters.CountEvictions(_table.RemoveUnpinned());
     } else {
@@ -91,9 +94,12 @@ std::uint64_t StreamingPool::PinLimit(std::uint64_t bytes, std::uint64_t largest
 /// Chooses the first groups that should stay, of at most `limit` bytes in all. \return their bytes.
 std::uint64_t StreamingPool::ChoosePinned(std::uint64_t limit) {
     std::uint64_t sum = 0;
+    std::uint64_t mostPages = _hash ? _hash->MostPages() / kPinDivisor : _table.NumPages();
     for (std::uint32_t first = 0; first < _table.NumPages(); first += kGroupPages) {
-        const bool isPinned = _provider->ShouldStay(first) && sum + GroupBytes(first) <= limit;
+        const bool isPinned = _provider->ShouldStay(first) && sum + GroupBytes(first) <= limit &&
+                              mostPages >= kGroupPages;
         sum += isPinned ? GroupBytes(first) : 0;
+        mostPages -= isPinned ? kGroupPages : 0;
         for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
             _table.SetPinned(page, isPinned);
         }
@@ -161,16 +167,33 @@ void StreamingPool::AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedByt
     _table.SetBuffers(sizes, pinnedBytes);
 }
 
+/// Whether kernels look pages up in a hash table, in a pool of so many bytes.
+void StreamingPool::ChooseHash(std::uint64_t bytes) {
+    const std::uint32_t entries =
+        _hashEntries > 0 ? PageHash::RoundUp(_hashEntries) : PageHash::EntriesOf(bytes);
+    const std::uint64_t least =
+        _hashEntries > 0 ? entries : kLeastPagesPerEntry * std::uint64_t{entries};
+    const bool isWanted = MayHash() && _provider->NumOuterPages() > 0 && _table.NumPages() > least;
+    _hash = isWanted ? std::make_unique<PageHash>(entries) : nullptr;
+}
+
 void StreamingPool::MakeTables() {
-    const std::uint64_t bytes = _table.NumPages() * sizeof(std::uint32_t);
-    _addresses = Buffer(_device, _label + " residency table", bytes, BufferAccess::ReadOnly);
-    _useTable = Buffer(_device, _label + " uses", kUseHeaderBytes + bytes);
+    const std::uint64_t numWords = _hash ? _hash->Addresses().size() : _table.NumPages();
+    const std::uint64_t numUses = _hash ? _hash->NumUseWords() : _table.NumPages();
+    _addresses = Buffer(_device, _label + " residency table", numWords * sizeof(std::uint32_t),
+                        BufferAccess::ReadOnly);
+    _useTable =
+        Buffer(_device, _label + " uses", kUseHeaderBytes + numUses * sizeof(std::uint32_t));
     const std::uint32_t epoch = _uses.Epoch();
     _useTable.Write(&epoch, sizeof(epoch), HDS_USE_EPOCH * sizeof(epoch));
+    if (_hash) {
+        const std::array<std::uint32_t, 2> asked = {_hash->AskedMask(), 0};
+        _useTable.Write(asked.data(), sizeof(asked), HDS_USE_ASKED_MASK * sizeof(asked[0]));
+    }
     WithdrawWay();
     _uses.Reset(_table.NumPages());
-    PublishUses();
     PublishTable();
+    PublishUses(); // by the places that the table gives
 }
 
 void StreamingPool::BeginEpoch() {
@@ -369,7 +392,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
 /// Finds room for a page, evicting others, and queues it. \return false when all that could leave
 /// has left.
 bool StreamingPool::Place(std::uint32_t page) {
-    while (!_table.FindPlace(page, _pageBytes[page])) {
+    while (!HasEntry() || !_table.FindPlace(page, _pageBytes[page])) {
         if (!Evict()) {
             return false;
         }
@@ -422,17 +445,40 @@ void StreamingPool::LoadQueued(bool isAskedFor) {
     _counters.AddTransferSeconds(timer.Seconds());
 }
 
+void StreamingPool::PublishTable() {
+    if (_hash) {
+        _hash->Enter(_table.Words());
+    }
+    WriteWords(_hash ? _hash->Addresses() : _table.Words());
+}
+
 void StreamingPool::WriteWords(const std::vector<std::uint32_t>& words) {
     _addresses.Write(words.data(), words.size() * sizeof(std::uint32_t));
 }
 
 void StreamingPool::ReadUses() {
-    std::vector<std::uint32_t>& words = _uses.Words();
+    if (!_hash) {
+        std::vector<std::uint32_t>& words = _uses.Words();
+        _useTable.Read(words.data(), words.size() * sizeof(std::uint32_t), kUseHeaderBytes);
+        return;
+    }
+    std::vector<std::uint32_t> words(_hash->NumUseWords());
     _useTable.Read(words.data(), words.size() * sizeof(std::uint32_t), kUseHeaderBytes);
+    _hash->Read(words, &_uses.Words());
+    std::uint32_t dropped = 0;
+    _useTable.Read(&dropped, sizeof(dropped), HDS_USE_DROPPED * sizeof(dropped));
+    if (dropped > 0) {
+        _counters.CountDropped(dropped);
+        dropped = 0;
+        _useTable.Write(&dropped, sizeof(dropped), HDS_USE_DROPPED * sizeof(dropped));
+    }
 }
 
 void StreamingPool::PublishUses() {
-    const std::vector<std::uint32_t>& words = _uses.Words();
+    const std::vector<std::uint32_t>& uses = _uses.Words();
+    const std::vector<std::uint32_t> hashed =
+        _hash ? _hash->Write(uses) : std::vector<std::uint32_t>();
+    const std::vector<std::uint32_t>& words = _hash ? hashed : uses;
     _useTable.Write(words.data(), words.size() * sizeof(std::uint32_t), kUseHeaderBytes);
 }
 

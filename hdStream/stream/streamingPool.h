@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/stream/evictionOrder.h"
+#include "hdStream/stream/pageHash.h"
 #include "hdStream/stream/pagePool.h"
 #include "hdStream/stream/pageTable.h"
 #include "hdStream/stream/pageUses.h"
@@ -31,6 +32,14 @@ public:
     StreamingPool(std::shared_ptr<Device> device, std::string label,
                   std::unique_ptr<EvictionOrder> order = nullptr,
                   std::uint64_t bufferLimit = kMaxPoolBufferBytes);
+
+    /// From the next Update on: where pages are reached through others (PageProvider), and there
+    /// are more of them, kernels look them up in a hash table of so many entries (PageHash).
+    /// 0: where that takes less of the device than a word for each page, of as many as the pool
+    /// warrants.
+    void SetHashEntries(std::uint32_t count) { _hashEntries = count; }
+    /// Whether they do.
+    bool HasPageHash() const { return _hash != nullptr; }
 
     /// Groups that may not fit are prepared, so that their sizes are known. \return true.
     /// \throws Error that names the option --LABELMemory when the largest group does not fit.
@@ -71,8 +80,10 @@ protected:
     /// for.
     void ProcessRound(bool withGroups);
     /// Publishes the words of the table.
-    virtual void PublishTable() { WriteWords(_table.Words()); }
+    virtual void PublishTable();
     void WriteWords(const std::vector<std::uint32_t>& words);
+    /// Whether its kernels may look pages up in hash tables.
+    virtual bool MayHash() const { return true; }
 
 private:
     void Renumber();
@@ -82,6 +93,8 @@ private:
     std::uint64_t PinLimit(std::uint64_t bytes, std::uint64_t largestGroup) const;
     std::uint64_t ChoosePinned(std::uint64_t limit);
     void AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes);
+    void ChooseHash(std::uint64_t bytes);
+    bool HasEntry() const { return !_hash || _table.NumPlaced() < _hash->MostPages(); }
     void MakeTables();
     void ReadUses();
     void PublishUses();
@@ -103,6 +116,8 @@ private:
     std::uint64_t _bytes = 0;
     Buffer _useTable;
     PageTable _table;
+    std::uint32_t _hashEntries = 0;
+    std::unique_ptr<PageHash> _hash; ///< null: kernels have a word for each page
     PageUses _uses;
     std::unique_ptr<EvictionOrder> _order;
     PoolCounters _counters;

@@ -38,7 +38,7 @@ bool StreamingPool::HasRoomForAll() const {
     for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
         bytes += _provider->PageBytes(page);
     }
-    return bytes <= _bytes;
+    return bytes <= _bytes && (!_hash || _table.NumPages() <= _hash->MostPages());
 }
 
 bool StreamingPool::LoadMissing(std::uint64_t bytes) {

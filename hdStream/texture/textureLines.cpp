@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -55,6 +56,17 @@ void TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLine
         if (!_textures[textures[i]]) {
             _textures[textures[i]] = _preparer->Prepare(image.source, image.request, texelsAtOnce);
         }
+    });
+}
+
+void TextureLines::MakeAll(std::uint32_t begin, std::uint32_t end) {
+    std::vector<std::uint32_t> textures(end - begin);
+    std::iota(textures.begin(), textures.end(), begin);
+    Open(textures, true);
+    tbb::parallel_for(begin, end, [this](std::uint32_t texture) {
+        std::vector<std::uint32_t> lines(_textures[texture]->NumLines());
+        std::iota(lines.begin(), lines.end(), 0U);
+        _textures[texture]->MakeLines(lines);
     });
 }
 

@@ -34,6 +34,11 @@ public:
     /// of those without one.
     std::uint64_t TotalLines() const;
     void Open(const std::vector<std::uint32_t>& textures, bool allLines) override;
+    /// Opens textures [begin, end) and makes all of their lines that are not there, on all cores.
+    /// Blocks.
+    void MakeAll(std::uint32_t begin, std::uint32_t end);
+    /// Textures that were read and compressed, not found in the store.
+    std::uint64_t NumBuilt() const { return _preparer->NumBuilt(); }
     shared::HdsTexture Record(std::uint32_t texture) const override {
         return _textures[texture]->Record();
     }

@@ -13,7 +13,7 @@ _KEYS = {
     "time": "load translate prepare compile trace requests transfer shade firstPixel render total",
     "memory": "pathState film tables devicePeak hostPeak",
     "geometry": "mode streamedSamples streamedPaths meshes curves points instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
-    "uniqueBytesLoaded uploadedBytes uploads evictions rayBatches briefBatches primsMended iterations maxIterationsPerBatch raysRelaunched "
+    "uniqueBytesLoaded uploadedBytes uploads evictions requestsDropped rayBatches briefBatches primsMended iterations maxIterationsPerBatch raysRelaunched "
     "shadingRefetches chunksTouched chunksBuilt chunksFromCache estimated",
     "texture": "mode textures bytesSource bytesTotal budget peakBytes linesTotal linesLoaded uniqueBytesLoaded "
     "uploadedBytes evictions tableBytes alwaysResidentBytes lookups misses shadePasses shadeIterations fallbackTexels "

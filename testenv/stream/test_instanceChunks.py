@@ -71,6 +71,21 @@ def test_other_ways_give_the_same_bits(Crowd, settings):
     _AssertStreams(Crowd, geometryMemory="10%", **settings)
 
 
+@pytest.mark.parametrize("settings", [dict(), dict(traversal="scalar"), dict(geometryEviction="flush"), dict(waveSize=1000)],
+                         ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()) or "lru")
+@pytest.mark.parametrize("pool", ["100%", "10%"])
+@pytest.mark.parametrize("entries", [32, 128])
+def test_a_page_table_of_any_size_gives_the_same_bits(Crowd, entries, pool, settings):
+    """The smaller one has room for 28 pages, and for eight requests: of very many rays that wait those of few are heard."""
+    geometry = _AssertStreams(Crowd, geometryMemory=pool, pageEntries=entries, **settings)
+    assert 2 * geometry["chunks"] > entries
+    assert geometry["evictions"] > 0
+    assert geometry["requestsDropped"] > 0 or entries > 32
+    direct = _AssertStreams(Crowd, geometryMemory=pool, pageEntries=1 << 20, **settings)
+    assert direct["requestsDropped"] == 0
+    assert direct["alwaysResidentBytes"] - geometry["alwaysResidentBytes"] == 8 * 2 * geometry["chunks"] - (128 + 14 * entries)
+
+
 def test_a_pool_of_one_way_is_enough(Crowd):
     """It has to hold the largest chunk beside the largest one of instances, as one ray may need both at once."""
     with pytest.raises(Crowd.core.Error, match="cannot hold the largest chunk, which takes") as error:

@@ -6,6 +6,7 @@ The oracle is the picture with resident geometry, all instances in tables, all a
 """
 
 import contextlib
+import itertools
 import os
 import pathlib
 import shutil
@@ -48,9 +49,9 @@ def Island(tmp_path_factory):
 @pytest.mark.parametrize("eviction", ["lru", "flush"])
 def test_any_pool_gives_the_same_bits(Island, eviction):
     case = Island.Fresh()
-    for pool in _POOLS:
+    for entries, pool in itertools.product((0, 512), _POOLS):  # of the page table
         layers, statistics = case.Render(residency="stream", geometryMemory=pool, geometryEviction=eviction, hostMemory=_HOST,
-                                         **_CHUNKS)
+                                         pageEntries=entries, **_CHUNKS)
         case.AssertBits(layers)
         geometry = statistics["geometry"]
         assert geometry["budget"] <= float(pool[:-1]) / 100 * geometry["bytesTotal"] + 1

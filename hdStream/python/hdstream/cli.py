@@ -50,7 +50,7 @@ def Main(arguments=None):
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's other threads would spin beside the render, with nothing to do
     os.environ.setdefault("OPENBLAS_MAIN_FREE", "1")  # numpy would set it beside the thread that opens the device and reads others
     with Interruption():  # the core is loaded for its settings
-        parser = _MakeParser("record" in arguments[:1])
+        parser = _MakeParser(arguments[:1])
         args = parser.parse_args(list(_WithNegativeFrames(arguments)))
     for word in arguments:
         if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
@@ -96,21 +96,25 @@ def _FailUnexpected(args, error):
                        f"{type(error).__name__}: {OneLine(error)}", EXIT_FAILURE)
 
 
-def _MakeParser(hasRecord):
+def _MakeParser(first):
+    """`first`: the first word, in a list, if there is one. The options of stages are those of that command alone."""
     parser = _Parser(prog="hdstream", description="Path-traces USD stages on OpenCL devices.",
                      allow_abbrev=False)
     parser.add_argument("--version", action="version", version=_Version())
     commands = parser.add_subparsers(dest="name", metavar="COMMAND",
                                      parser_class=_Parser)
     record = _AddCommand(commands, "record", "render a stage to image files")
-    if hasRecord:
-        _AddRecordOptions(record)
+    prepare = _AddCommand(commands, "prepare", "fill the persistent cache with what record, with the same words, reads of it")
+    for name, command in (("record", record), ("prepare", prepare)):
+        if first == [name]:
+            _AddRecordOptions(command)
     _AddInfo(commands)
     _AddCompare(commands)
     _AddCommand(commands, "devices", "list the OpenCL devices")
     cache = _AddCommand(commands, "cache", "show or clear the persistent cache")
     action = cache.add_mutually_exclusive_group()
     action.add_argument("--clear", action="store_true", help="delete all entries")
+    cache.add_argument("--cacheDir", default="", metavar="DIR", help="another cache than that of $HDSTREAM_CACHE_DIR or the platform")
     action.add_argument("--kernels", nargs="?", const="", metavar="DEVICE",
                         help="compile what most scenes need on the device, so that a first render does not wait for it")
     return parser

@@ -58,6 +58,7 @@ class PreparedStage:
             unread = [(file, "is not read in a stage that the caller opened, whose layers that would edit; give hdstream.Renderer "
                        "the stage's path, and edit its `stage`") for file in UnreadFiles(stage)]
         self.loadSeconds = time.perf_counter() - start
+        session.SetStageFile(self.stage.GetRootLayer().realPath)
         warn, found = session.Warn, self._diagnostics.Take() + unread
         # Of opening the stage; the statistics of each frame have it. No method: the stage goes with its renderer.
         self._translation = StageTranslation(self.stage, session, lambda: [warn(subject, text) for subject, text in found])

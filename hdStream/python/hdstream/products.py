@@ -66,6 +66,12 @@ class Picture:
         return outputs
 
 
+def HasProducts(stage, path, session):
+    """Whether the render settings at `path`, or the stage's own, have products."""
+    settings = FindRenderSettings(stage, path, session)
+    return settings is not None and bool(TargetsOf(settings, "products", session))
+
+
 def FindPictures(stage, path, session):
     """What the raster and the deep products of the render settings at `path`, or of the stage's own, need. Raises UsageError without any."""
     settings = FindRenderSettings(stage, path, session)

@@ -50,7 +50,8 @@ class ProgressBar:
 
     def Prepare(self, progress):
         """What is done for a scene before there are samples."""
-        for what, count in (("making pages of chunks", progress.chunks), ("planning prims", progress.prims)):
+        for what, count in (("making textures", progress.textures), ("making pages of chunks", progress.chunks),
+                            ("planning prims", progress.prims)):
             if count.done < count.total:
                 self.Begin(what, count.done, count.total)
                 return

@@ -7,7 +7,7 @@ from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.errors import CommandError, UsageError
 from hdstream.frameJob import Frame, Job
-from hdstream.products import FindPictures
+from hdstream.products import FindPictures, HasProducts
 from hdstream.renderSettings import SettingsPathOf
 from hdstream.stage import FrameOutputs, ParseFrames, StartTimeOf
 
@@ -63,6 +63,15 @@ def FramesOf(args, stage, warn):
     if args.stats:
         _CheckStatsFiles({frame.statsFile for frame in frames}, {"the picture": files, "the stage": [args.stage]})
     return frames
+
+
+def FramesToPrepare(args, stage, warn):
+    """The frames that FramesOf gives, without their files; where there is neither OUT nor a product, those of one picture."""
+    if args.output is None and HasProducts(stage, SettingsPathOf(stage, args.renderSettingsPrimPath, args.renderPassPrimPath,
+                                                                 _Session(warn)), _Session(warn)):
+        return _FramesOfProducts(args, stage, warn)
+    timeCodes = ParseFrames(args.frames)[0] if args.frames else [StartTimeOf(stage, args.defaultTime)]
+    return [Frame(timeCode, "") for timeCode in timeCodes]
 
 
 def _CheckStatsFiles(statsFiles, others):

@@ -8,6 +8,7 @@ from hdstream.frameJob import FrameWriter
 from hdstream.framing import FREE_CAMERA_PATH
 from hdstream.recordArguments import FramesOf, JobOf
 from hdstream.texts import SecondsText
+from hdstream.workThread import RunOnThread
 
 _NAMED_CAMERAS = 3  # in the line that says that none of them is used
 
@@ -64,12 +65,8 @@ class Recorder:
         Say(f"the stage is framed from the front; --camera takes {', '.join(cameras[:_NAMED_CAMERAS])}{more}")
 
     def _Render(self, frame):
-        """Renders on a thread, so that Ctrl-C is seen at once."""
         isPrepared = threading.Event()
         isStopping = threading.Event()
-        isDone = threading.Event()
-        images = []
-        errors = []
 
         def OnProgress(progress):
             if progress.fraction == 0 and not isStopping.is_set():
@@ -80,27 +77,13 @@ class Recorder:
             if progress.fraction > 0 and not isStopping.is_set():
                 self._progress.Update(progress)
 
-        def Work():
-            try:
-                images.append(self._writer.Render(frame, OnProgress))
-            except BaseException as error:  # pylint: disable=broad-except
-                errors.append(error)
-            finally:
-                isDone.set()
+        def Stop():
+            isStopping.set()
+            self._writer.renderer.Cancel()
+            self._progress.Clear()
+            SayError("hdstream record: interrupted; writing what is rendered so far")
 
-        thread = threading.Thread(target=Work, name="render", daemon=True)
-        thread.start()
-        while not isDone.wait(0.1):
-            if self._interruption.isRequested and not isStopping.is_set():
-                isStopping.set()
-                self._writer.renderer.Cancel()
-                self._progress.Clear()
-                SayError("hdstream record: interrupted; writing what is rendered so far")
-        thread.join()  # it has nothing left to do, and must not do that while the process ends
-        self._progress.Clear()
-        if errors and self._interruption.isRequested:
-            # The compiler in the device's driver removes its files at SIGINT, and fails for want of them.
-            raise KeyboardInterrupt from errors[0]
-        if errors:
-            raise errors[0]
-        return images[0]
+        try:
+            return RunOnThread(lambda: self._writer.Render(frame, OnProgress), self._interruption, Stop)
+        finally:
+            self._progress.Clear()

@@ -170,6 +170,31 @@ class Renderer:
         with self._Alone():
             return self._Image(self._RenderFilm(onProgress, start))
 
+    def FillCache(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None) -> Optional[_core.PreparedAmount]:
+        """Makes all pages of the prepared frame that the persistent cache does not have, so that renders find them, also those of
+        other processes and other cameras that look at the same dicing. Needs no device. Blocks.
+
+        Parameters
+        ----------
+        onProgress : callable, optional
+            As in `Render`; `textures` has `done` and `total` too.
+
+        Returns
+        -------
+        PreparedAmount
+            With `chunks`, `chunksBuilt` (the others were there), `chunkBytes`, `textures` and `texturesBuilt`. None when it
+            was cancelled.
+
+        Raises
+        ------
+        hdstream.UsageError
+            Nothing is prepared, or the setting `noCache` is on.
+        hdstream.Error
+            The cache cannot be written, or has no room for all.
+        """
+        with self._Alone():
+            return self._session.Prepare(self._Frame().settings, self._Asking(onProgress))
+
     def ImageSoFar(self) -> Image:
         """The picture as it is. May be called inside of `onProgress`, on its thread, once `previewStride` is 1.
 
@@ -228,13 +253,14 @@ class Renderer:
 
     def _RenderFilm(self, onProgress, start):
         """True when it was not cancelled. For callers that are alone until they have read the film."""
-        def OnProgress(progress):
-            return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
-
         frame = self._Frame()
         self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
-        result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
+        result = self._session.Render(frame.settings, self._Asking(onProgress), list(start), self._isCancelled.is_set)
         return result == _core.RenderResult.Complete
+
+    def _Asking(self, onProgress):
+        """A callback for the core: whether it may go on."""
+        return lambda progress: not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
 
     @contextlib.contextmanager
     def _Alone(self):

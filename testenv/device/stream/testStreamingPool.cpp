@@ -118,6 +118,7 @@ kernel void probe_offer(global const uint* ways, uint count HDS_RESIDENCY_ARGS) 
                                                     {{"HDS_FEATURE_STREAMING", "1"}});
     Kernel offer = offering->GetKernel("probe_offer");
     StreamingPool pool(device, "fake");
+    pool.SetHashEntries(512); // more than pages: they have words of their own
     pool.Update(&pages, largest[0] + largest[1]);
     std::mt19937 random(13);
     for (int round = 0; round < 100; ++round) {
