@@ -7,7 +7,7 @@ import sys
 
 from hdstream import _core
 from hdstream.console import SayError
-from hdstream.errors import CommandError
+from hdstream.textFile import WriteText
 from hdstream.texts import BytesText
 
 
@@ -48,11 +48,7 @@ def _WriteJson(info, file):
     if file == "-":
         sys.stdout.write(text)
         return
-    try:
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise CommandError(f"--json {file}: {error.strerror}") from None
+    WriteText("--json", file, text)
 
 
 def _Print(info):
