@@ -3,7 +3,7 @@
 first render."""
 
 from hdstream import _core
-from hdstream.console import SayError
+from hdstream.console import SayWarning
 from hdstream.texts import BytesText
 
 
@@ -14,6 +14,6 @@ def Run(args):
         return
     if args.kernels is not None:
         for line in _core.PrepareKernels(args.kernels, ""):
-            SayError(f"warning: {line}")
+            SayWarning(line)
     state = _core.InspectCache("")
     print(f"{state.directory}: {BytesText(state.bytes)}")

@@ -6,7 +6,7 @@ import json
 import sys
 
 from hdstream import _core
-from hdstream.console import SayError
+from hdstream.console import SayWarning
 from hdstream.textFile import WriteText
 from hdstream.texts import BytesText
 
@@ -16,7 +16,7 @@ def Run(args):
     from hdstream.diagnostics import Diagnostics
     from hdstream.stage import OpenStage
     from hdstream.translate import TranslateStage
-    session = _core.Session(lambda line: SayError(f"warning: {line}"))
+    session = _core.Session(SayWarning)
     diagnostics = Diagnostics()
     stage = OpenStage(args.stage)
     diagnostics.WarnOf(session)
