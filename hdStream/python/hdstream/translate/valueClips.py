@@ -47,10 +47,10 @@ def MissingClips(prim):
     texts = []
     for name, clipSet in clips.GetClips().items():
         manifest = clipSet.get("manifestAssetPath")
-        found = _Find(prim, manifest) if manifest else ""
-        if manifest and not found:
+        manifestFile = _Find(prim, manifest) if manifest else ""
+        if manifest and not manifestFile:
             texts.append(f"the manifest {manifest.path} of its value clips does not exist; they are not used")
-        texts += _WithoutPipes([found] + [asset.resolvedPath for asset in clips.ComputeClipAssetPaths(name)])
+        texts += _WithoutPipes([manifestFile] + [asset.resolvedPath for asset in clips.ComputeClipAssetPaths(name)])
         template = clipSet.get("templateAssetPath")
         if template and not clipSet.get("assetPaths"):  # these win
             found = len(clips.ComputeClipAssetPaths(name))
