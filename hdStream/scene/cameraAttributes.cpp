@@ -211,10 +211,9 @@ float LinearExposureScale(float exposure, const CameraAttributes& attributes) {
         return found == attributes.end() ? fallback : NumberOf(found->second).value_or(fallback);
     };
     const float fStop = get(kExposureFStop, 1.0F);
-    const float scale = (get(kExposureTime, 1.0F) * get(kExposureIso, 100.0F) *
-                         std::pow(2.0F, exposure) * get(kExposureResponsivity, 1.0F)) /
-                        (100.0F * fStop * fStop);
-    return std::isfinite(scale) ? scale : 1.0F;
+    return (get(kExposureTime, 1.0F) * get(kExposureIso, 100.0F) * std::pow(2.0F, exposure) *
+            get(kExposureResponsivity, 1.0F)) /
+           (100.0F * fStop * fStop);
 }
 
 } // namespace hds

@@ -28,8 +28,8 @@ std::vector<std::string> SetCameraAttributes(const CameraAttributes& attributes,
 
 /// The factor on radiance, time * iso * 2^exposure * responsivity / (100 * fStop^2), with floats.
 /// Source: UsdGeomCamera::ComputeLinearExposureScale (OpenUSD 25.05). \param exposure the attribute
-/// `exposure`, in stops. \param attributes others of exposure; absent ones change nothing. \return
-/// 1 where the formula has no finite value.
+/// `exposure`, in stops. \param attributes others of exposure; absent ones change nothing. It is
+/// not finite where the formula is not, which MendCamera tells of.
 float LinearExposureScale(float exposure, const CameraAttributes& attributes);
 
 } // namespace hds

@@ -45,6 +45,15 @@ std::vector<std::string> MendCamera(CameraPrim* camera) {
     mend(&CameraPrim::verticalApertureOffset, "verticalApertureOffset", "0");
     mend(&CameraPrim::focalLength, "focalLength", "50");
     mend(&CameraPrim::exposureScale, "exposure", "0");
+    mend(&CameraPrim::fStop, "fStop", "0");
+    if (camera->fStop < 0.0F) {
+        problems.emplace_back("fStop is below 0; everything is in focus");
+        camera->fStop = 0.0F;
+    }
+    if (std::isnan(camera->focusDistance)) {
+        problems.emplace_back("focusDistance is not a number; everything is in focus");
+        camera->focusDistance = 0.0F;
+    }
     if (std::isnan(camera->nearClip) || std::isnan(camera->farClip)) {
         problems.emplace_back("clippingRange is not a number; (1, 1000000) is used");
         camera->nearClip = usual.nearClip;

@@ -2,6 +2,9 @@
 #include "hdStream/scene/dicingViews.h"
 
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/placements.h"
+
+#include "kernels/shared/geometry.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -74,6 +77,11 @@ void ForEachInstance(const SceneDescription& scene, const Placement& placement, 
     const auto found = scene.instancers.find(placement.instancerPath);
     if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
         return;
+    }
+    int length = 0;
+    if (chain == 0 && NumPlacements(scene, placement, &length) > kMostPlacements &&
+        length > HDS_MAX_GROUP_DEPTH) {
+        return; // not drawn, of which scene/hierarchy warns
     }
     const InstancerPrim& instancer = found->second;
     const std::size_t limit = instancer.instanceTransforms.Size();

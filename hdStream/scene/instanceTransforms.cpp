@@ -6,10 +6,13 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace hds {
 
 namespace {
+
+constexpr unsigned kHalfExponent = 0x7c00U; ///< all of its bits: infinity, or no number
 
 /// GfMatrix4d::SetRotate of a quaternion; columns of the result are Gf's rows.
 glm::dmat4 RotationMatrix(const glm::dvec3& i, double r) {
@@ -46,7 +49,11 @@ glm::dmat4 InstanceTransforms::At(std::size_t index) const {
         matrix = RotationMatrix(glm::dvec3(q[0], q[1], q[2]), q[3]);
     } else if (rotations.empty() && 4 * index < halfRotations.size()) {
         const std::uint16_t* q = halfRotations.data() + 4 * index;
-        const auto at = [q](int i) { return double{shared::codec_floatOfHalf(q[i])}; };
+        const auto at = [q](int i) { // floatOfHalf knows finite numbers only
+            return (q[i] & kHalfExponent) == kHalfExponent
+                       ? std::numeric_limits<double>::quiet_NaN()
+                       : double{shared::codec_floatOfHalf(q[i])};
+        };
         matrix = RotationMatrix(glm::dvec3(at(0), at(1), at(2)), at(3));
     }
     if (3 * index < scales.size()) {

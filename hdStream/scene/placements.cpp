@@ -27,6 +27,24 @@ MovingTransform PlacementTransform(const Placement& placement, const Shutter& sh
     return {placement.worldFromObject, placement.samples, shutter};
 }
 
+double NumPlacements(const SceneDescription& scene, const Placement& placement, int* chainLength) {
+    double number = 1.0;
+    const Placement* placed = &placement;
+    int chain = 0;
+    for (; !placed->instancerPath.empty() && chain < kMaxInstancerChain; ++chain) {
+        const auto found = scene.instancers.find(placed->instancerPath);
+        number *= static_cast<double>(placed->instances.size());
+        if (found == scene.instancers.end()) {
+            return 0.0;
+        }
+        placed = &found->second.placement;
+    }
+    if (chainLength != nullptr) {
+        *chainLength = chain;
+    }
+    return number;
+}
+
 std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
                                  const Shutter& shutter, int chain) {
     if (placement.instancerPath.empty()) {
@@ -34,7 +52,8 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
     }
     const auto found = scene.instancers.find(placement.instancerPath);
     if (found == scene.instancers.end() || !found->second.placement.visible ||
-        chain >= kMaxInstancerChain) {
+        chain >= kMaxInstancerChain ||
+        (chain == 0 && NumPlacements(scene, placement) > kMostPlacements)) {
         return {};
     }
     const InstancerPrim& instancer = found->second;

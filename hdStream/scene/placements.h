@@ -27,8 +27,17 @@ struct Placed {
 /// From a prim to what its instancer places, or to the world.
 MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter);
 
-/// All placements in world space; parent-major: the parent's are the outer loop. \param chain
-/// instancers that have been followed so far.
+/// Most placements of one prim that are looked at one after the other: chains of instancers
+/// multiply.
+constexpr double kMostPlacements = 1 << 24;
+
+/// How many placements a prim has at most, of which some may be of no use.
+/// \param chainLength instancers above the prim, where not null.
+double NumPlacements(const SceneDescription& scene, const Placement& placement,
+                     int* chainLength = nullptr);
+
+/// All placements in world space, none where they are more than kMostPlacements; parent-major: the
+/// parent's are the outer loop. \param chain instancers that have been followed so far.
 std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
                                  const Shutter& shutter, int chain = 0);
 

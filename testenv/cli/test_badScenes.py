@@ -129,7 +129,14 @@ PLACE = 'double3 xformOp:translate = (0, 0, 5)\nuniform token[] xformOpOrder = [
     ("float2 clippingRange = (nan, 1)", "", "clippingRange is not a number; (1, 1000000) is used"),
     ("float2 clippingRange = (5, 1)", "float2 clippingRange = (5, 1)", "clippingRange is empty;"),
     ("float fStop = 1\nfloat focusDistance = inf", "float fStop = 1\nfloat focusDistance = 1e18", ""),
-    ("float fStop = nan\nfloat focusDistance = 3", "", ""),
+    ("float fStop = nan\nfloat focusDistance = 3", "", "fStop is not finite; 0 is used"),
+    ("float fStop = -1\nfloat focusDistance = 3", "", "fStop is below 0; everything is in focus"),
+    ("float fStop = 1\nfloat focusDistance = nan", "", "focusDistance is not a number; everything is in focus"),
+    ("float exposure = nan", "", "exposure is not finite; 0 is used"),
+    ("float exposure = 1000", "", "exposure is not finite; 0 is used"),
+    ("float exposure:fStop = 0", "", "exposure is not finite; 0 is used"),
+    ("double shutter:open = nan\ndouble shutter:close = 1", "double shutter:close = 1", "shutter:open is nan, and no finite number; 0 is used"),
+    ("double shutter:open = 1\ndouble shutter:close = -1", "", "its shutter closes at -1 before it opens at 1; nothing moves"),
     ('token projection = "fisheye"', "", "projection fisheye is unknown; perspective is used"),
 ])
 def test_numbers_of_cameras_become_what_is_said(tmp_path, numbers, meant, expected):
@@ -147,6 +154,34 @@ def test_numbers_of_cameras_become_what_is_said(tmp_path, numbers, meant, expect
     from hdstream import _core
     layers = _core.CompareImages(*map(str, pictures)).layers
     assert layers and all(layer.maxAbs == 0 and layer.numNonFinite == 0 for layer in layers)
+
+
+def test_instances_whose_turn_is_no_number_are_dropped(tmp_path):
+    """As for OpenUSD, whose matrix of it is none."""
+    body = """def PointInstancer "Crowd" {
+    rel prototypes = [</Crowd/Ball>]
+    int[] protoIndices = [0, 0, 0]
+    point3f[] positions = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+    quath[] orientations = [(nan, 0, 0, 0), (1, 0, 0, 0), (inf, 0, 0, 0)]
+    def Sphere "Ball" { double radius = 0.2 }
+}
+"""
+    result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and Finite(tmp_path / "o.exr"), result.text
+    assert [line for line in result.warnings if line.startswith("/Crowd: 2 instances dropped")], result.text
+
+
+def test_instancers_that_multiply_without_end_are_told(tmp_path):
+    """Each of the chain places the next twice: 2^40 leaves, deeper than groups are kept."""
+    body, ends = "", ""
+    for i in range(40):
+        body += f'def PointInstancer "In{i}" {{ rel prototypes = [<In{i + 1}>]\n int[] protoIndices = [0, 0]\n'
+        body += ' point3f[] positions = [(0, 0, 0), (1, 0, 0)]\n'
+        ends += "}\n"
+    result = Run("record", WriteStage(tmp_path, SCENE + body + 'def Sphere "In40" { }\n' + ends), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and Finite(tmp_path / "o.exr"), result.text
+    told = [line for line in result.warnings if "In40: placed more than 16777216 times" in line]
+    assert len(told) == 1, result.text
 
 
 def test_a_focal_length_of_0_has_the_frustum_of_openusd():

@@ -2,6 +2,7 @@
 """Wrong usage and bad files: one line that names the option or file, and the right exit code."""
 
 import ctypes.util
+import json
 import os
 import shutil
 import subprocess
@@ -131,6 +132,49 @@ def "Look" (references = @./look.mtlx@</MaterialX>) { }
         assert len(said) == 1, result.text
     assert [line for line in result.warnings if "look.mtlx" in line], result.text
     assert command == "info" or (tmp_path / "o.exr").exists()
+
+
+CLIPS = """def "Prop" ( clips = {{ dictionary default = {{
+        asset[] assetPaths = [@./{clip}@]
+        string primPath = "/Prop"
+        double2[] active = [(0, 0)]
+        double2[] times = [(0, 0), (10, 10)]
+        {manifest}
+    }} }} ) {{
+    def Mesh "Leaf" {{
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points
+    }}
+}}
+"""
+CLIP = 'over "Prop" { over "Leaf" { point3f[] points.timeSamples = { 0: [(-1, -1, 0), (1, -1, 0), (0, 1, 0)] } } }'
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="pipes are found by what Linux says of threads")
+@pytest.mark.parametrize("clip, manifest", [("pipe.usda", ""), ("clip.usda", "pipe.usda"), ("pipe.usda", "names.usda")])
+def test_value_clips_that_are_pipes_are_not_waited_for(tmp_path, clip, manifest):
+    """Nobody writes into them. OpenUSD opens them with the stage, for want of a manifest, or with the first value."""
+    os.mkfifo(tmp_path / "pipe.usda")
+    WriteStage(tmp_path, CLIP, name="clip.usda")
+    WriteStage(tmp_path, 'over "Prop" { over "Leaf" { point3f[] points } }', name="names.usda")
+    body = CLIPS.format(clip=clip, manifest=manifest and f"asset manifestAssetPath = @./{manifest}@")
+    result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL, "--frames", "1")
+    assert result.code == 0 and not result.errors, result.text
+    assert [line for line in result.warnings if "pipe.usda" in line and "is a pipe, not a file" in line], result.text
+    assert (tmp_path / "o.exr").exists()
+
+
+def test_text_for_a_pipe_waits_for_no_reader(tmp_path):
+    """With a reader it arrives whole."""
+    stage, pipe = WriteStage(tmp_path), tmp_path / "pipe.json"
+    os.mkfifo(pipe)
+    AssertFails(Run("info", stage, "--json", pipe), 1, "--json", "pipe.json", "nobody reads")
+    AssertFails(Run("record", stage, tmp_path / "o.exr", *SMALL, "--stats", pipe), 1, "--stats", "pipe.json", "nobody reads")
+    assert (tmp_path / "o.exr").exists()
+    with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE) as reader:
+        assert Run("info", stage, "--json", pipe).code == 0
+        assert "primTypes" in json.loads(reader.communicate(timeout=60)[0])
 
 
 def test_unwritable_output_is_found_before_rendering(tmp_path):

@@ -51,3 +51,11 @@ def test_frames_repeat_nothing(stage, tmp_path):
     result = Run("record", stage, tmp_path / "o.##.exr", *SMALL, "--frames", "1:3")
     assert result.code == 0 and len(result.warnings) == len(set(result.warnings)), result.text
     assert len([line for line in result.warnings if line.startswith("/Bad")]) == 2
+
+
+def test_line_breaks_in_names_break_no_line(tmp_path):
+    """The stage has nothing to draw, which is said with its name."""
+    folder = tmp_path / "two\nlines"
+    folder.mkdir()
+    result = Run("record", WriteStage(folder, ""), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors and [line for line in result.warnings if "two lines" in line], result.text

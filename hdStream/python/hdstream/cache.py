@@ -3,7 +3,7 @@
 in it before the first render."""
 
 from hdstream import _core
-from hdstream.console import SayError
+from hdstream.console import SayWarning
 from hdstream.texts import BytesText
 
 
@@ -14,7 +14,7 @@ def Run(args):
         return
     if args.kernels is not None:
         for line in _core.PrepareKernels(args.kernels, args.cacheDir):
-            SayError(f"warning: {line}")
+            SayWarning(line)
     state = _core.InspectCache(args.cacheDir)
     print(f"{state.directory}: {BytesText(state.bytes)}")
     for stage in state.stages:

@@ -30,6 +30,11 @@ def SayError(line):
     Write(sys.stderr, line + "\n")
 
 
+def SayWarning(text):
+    """One line on stderr, whatever the names in it hold."""
+    SayError("warning: " + " ".join(text.splitlines()))
+
+
 def Write(stream, text):
     """Writes at once; what cannot be written, and all that comes after it, is dropped."""
     try:

@@ -7,11 +7,11 @@ import os
 from typing import Any, Dict, Optional, Tuple
 
 from hdstream import _core, filmSums
-from hdstream.errors import CommandError
 from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
 from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
 from hdstream.snapshots import PartFileOf, RemoveParts, Snapshots
+from hdstream.textFile import WriteText
 
 
 @dataclasses.dataclass
@@ -158,12 +158,3 @@ class FrameWriter:
 def _CanGoOn(settings):
     """Pixels of adaptive renders stop at different samples; the samples of deep ones cannot be taken apart."""
     return settings["noise"] == 0.0 and not settings["deep"]
-
-
-def WriteText(option, file, text):
-    """Raises CommandError that names the option."""
-    try:
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise CommandError(f"{option} {file}: {error.strerror}") from None

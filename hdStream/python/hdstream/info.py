@@ -6,8 +6,8 @@ import json
 import sys
 
 from hdstream import _core
-from hdstream.console import SayError
-from hdstream.errors import CommandError
+from hdstream.console import SayWarning
+from hdstream.textFile import WriteText
 from hdstream.texts import BytesText
 
 
@@ -16,7 +16,7 @@ def Run(args):
     from hdstream.diagnostics import Diagnostics
     from hdstream.stage import OpenStage
     from hdstream.translate import TranslateStage
-    session = _core.Session(lambda line: SayError(f"warning: {line}"))
+    session = _core.Session(SayWarning)
     diagnostics = Diagnostics()
     stage = OpenStage(args.stage)
     diagnostics.WarnOf(session)
@@ -48,11 +48,7 @@ def _WriteJson(info, file):
     if file == "-":
         sys.stdout.write(text)
         return
-    try:
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(text)
-    except OSError as error:
-        raise CommandError(f"--json {file}: {error.strerror}") from None
+    WriteText("--json", file, text)
 
 
 def _Print(info):

@@ -4,6 +4,9 @@
 Nobody knows what a stage refers to before OpenUSD has read it. So a thread looks, while a stage is opened, in which system
 call the others are (Linux; elsewhere it does nothing). A pipe that one of them waits to open is opened for writing and closed
 again: its reader goes on with an empty file, which OpenUSD says is no layer.
+
+Of value clips that is not enough. OpenUSD raises an error there, and opens others only when it reads a value, with Python's
+lock held. So an empty layer stands in for such a pipe: who opens its path gets that.
 """
 
 import contextlib
@@ -12,9 +15,27 @@ import platform
 import stat
 import threading
 
+from pxr import Sdf
+
+IS_PIPE = "is a pipe, not a file: nothing is read of it"
 _SECONDS = 0.5
 _OPEN_CALLS = {"x86_64": ("257",), "aarch64": ("56",)}.get(platform.machine(), ())  # openat(folder, name, ...)
 _MOST_BYTES = 4096  # of a path
+_standIns = {}  # layers by the pipe's path; OpenUSD finds them as long as somebody has them
+
+
+def IsPipe(path):
+    """Whether opening a path waits for whoever writes it."""
+    try:
+        return stat.S_ISFIFO(os.stat(path).st_mode)
+    except (OSError, ValueError):
+        return False
+
+
+def StandIn(path):
+    """Puts an empty layer in the place of a pipe that no layer is open of, for the rest of the process."""
+    if path not in _standIns and not Sdf.Layer.Find(path):
+        _standIns[path] = Sdf.Layer.New(Sdf.FileFormat.FindByExtension("usda"), path)
 
 
 class Pipes:
@@ -35,7 +56,7 @@ class Pipes:
                     self._Release(_OpenedBy(thread))
 
     def _Release(self, path):
-        if path and stat.S_ISFIFO(os.stat(path).st_mode):
+        if path and IsPipe(path):
             os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
             if path not in self.paths:
                 self.paths.append(path)

@@ -9,7 +9,7 @@ import threading
 import time
 
 from hdstream import _core
-from hdstream.console import SayError, Write
+from hdstream.console import SayWarning, Write
 from hdstream.texts import SecondsText
 
 _INTERVAL = 0.2  # seconds between redraws
@@ -121,4 +121,4 @@ class WarningPrinter:
         if lines:
             self._progress.Clear()
         for line in lines if self._isVerbose else _core.DigestWarnings(lines):
-            SayError(f"warning: {line}")
+            SayWarning(line)

@@ -9,11 +9,27 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, UsageError
 from hdstream.materialXFiles import ReplaceFiles
-from hdstream.pipeWatch import Watched
+from hdstream.pipeWatch import IS_PIPE, StandIn, Watched
 
 _MOST_FRAMES = 1_000_000
 _LAST_FRAME = 2 ** 53  # doubles hold every whole number up to it
 _PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
+
+
+def _OpenPastPipes(Open):
+    """(stage, paths of pipes among its files). Of pipes that are value clips OpenUSD raises an error: then once more without."""
+    paths = []
+    while True:
+        try:
+            with Watched() as pipes:
+                stage = Open()
+            return stage, list(dict.fromkeys(paths + pipes.paths))
+        except TfError:
+            if set(pipes.paths) <= set(paths):
+                raise
+        for file in pipes.paths:
+            StandIn(file)
+        paths += pipes.paths
 
 
 def OpenStage(path, maskPaths=()):
@@ -29,15 +45,14 @@ def OpenStage(path, maskPaths=()):
             raise UsageError(f"--mask {maskPath}: not an absolute prim path")
         mask.Add(maskPath)
     try:
-        with Watched() as pipes:
-            stage = Usd.Stage.OpenMasked(path, mask) if maskPaths else Usd.Stage.Open(path)
+        stage, pipes = _OpenPastPipes(lambda: Usd.Stage.OpenMasked(path, mask) if maskPaths else Usd.Stage.Open(path))
     except TfError as error:
         causes = [text for text in MessagesOf(error) if not text.startswith("Failed to open layer")]
         raise CommandError(f"{path}: not a USD stage: {causes[0] if causes else 'cannot be read'}") from None
     if not stage:
         raise CommandError(f"{path}: not a USD stage")
-    for file in pipes.paths:
-        Tf.Warn(f"{file} is a pipe, not a file: nothing is read of it")
+    for file in pipes:
+        Tf.Warn(f"{file} {IS_PIPE}")
     for file, problem in ReplaceFiles(stage):
         Tf.Warn(f"{file} {problem}")
     return stage

@@ -6,7 +6,7 @@ from pxr import Gf, UsdGeom
 
 from hdstream import _core
 from hdstream.translate import valueClips
-from hdstream.translate.motion import ReadShutter
+from hdstream.translate.motion import ReadShutter, ShutterProblems
 from hdstream.typedValues import TypedValue
 
 
@@ -54,7 +54,7 @@ def ReadCamera(prim, timeCode, motion=None, warn=lambda prim, text: None):
         exposure = None
     camera = CameraFromGf(usdCamera.GetCamera(timeCode), _core.LinearExposureScale(exposure or 0.0, attributes))
     camera.shutter = ReadShutter(prim, timeCode)
-    for text in _core.SetCameraAttributes(attributes, camera):
+    for text in ShutterProblems(prim, timeCode) + list(_core.SetCameraAttributes(attributes, camera)):
         warn(prim, text)
     if motion is not None:
         camera.samples = motion.CameraSamplesOf(usdCamera)

@@ -18,6 +18,8 @@ _NUM_STEPS = 8
 # And what accelerations or angular velocities move.
 _NUM_CURVED_STEPS = 16
 
+_SHUTTER = ("shutter:open", "shutter:close")
+
 CHANGES_IN_NUMBER = "its points change in number while the shutter is open: drawn without motion blur"
 
 
@@ -32,8 +34,25 @@ def ReadBlurScale(prim, timeCode, warn):
 
 def ReadShutter(prim, timeCode):
     """(open, close) of a UsdGeomCamera prim, in frames from the frame; what is no finite number counts as 0."""
-    values = [prim.GetAttribute(name).Get(timeCode) for name in ("shutter:open", "shutter:close")]
-    return tuple(float(value) if isinstance(value, (int, float)) and math.isfinite(value) else 0.0 for value in values)
+    values = [prim.GetAttribute(name).Get(timeCode) for name in _SHUTTER]
+    return tuple(float(value) if _IsFinite(value) else 0.0 for value in values)
+
+
+def ShutterProblems(prim, timeCode):
+    """What is wrong with a camera's shutter, a line each."""
+    texts = []
+    for name in _SHUTTER:
+        value = prim.GetAttribute(name).Get(timeCode)
+        if value is not None and not _IsFinite(value):
+            texts.append(f"{name} is {value}, and no finite number; 0 is used")
+    opened, closed = ReadShutter(prim, timeCode)
+    if closed < opened:
+        texts.append(f"its shutter closes at {closed:g} before it opens at {opened:g}; nothing moves")
+    return texts
+
+
+def _IsFinite(value):
+    return isinstance(value, (int, float)) and math.isfinite(value)
 
 
 class Motion:

@@ -9,6 +9,8 @@ import math
 
 from pxr import Ar, Sdf, Usd, UsdGeom
 
+from hdstream.pipeWatch import IS_PIPE, IsPipe, StandIn
+
 METADATA = "clips"
 
 
@@ -40,13 +42,15 @@ def TransformVaries(prim):
 
 
 def MissingClips(prim):
-    """What is wrong with the files of a prim's clip sets, a line each; AreOn(prim)."""
+    """What is wrong with the files of a prim's clip sets, a line each; AreOn(prim). No pipe among them is opened from now on."""
     clips = Usd.ClipsAPI(prim)
     texts = []
     for name, clipSet in clips.GetClips().items():
         manifest = clipSet.get("manifestAssetPath")
-        if manifest and not _IsThere(prim, manifest):
+        manifestFile = _Find(prim, manifest) if manifest else ""
+        if manifest and not manifestFile:
             texts.append(f"the manifest {manifest.path} of its value clips does not exist; they are not used")
+        texts += _WithoutPipes([manifestFile] + [asset.resolvedPath for asset in clips.ComputeClipAssetPaths(name)])
         template = clipSet.get("templateAssetPath")
         if template and not clipSet.get("assetPaths"):  # these win
             found = len(clips.ComputeClipAssetPaths(name))
@@ -62,10 +66,19 @@ def MissingClips(prim):
     return texts
 
 
-def _IsThere(prim, asset):
-    """Whether an asset of a prim's metadata is found, from a layer that says something of the prim."""
-    return bool(asset.resolvedPath) or any(
-        Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(spec.layer, asset.path)) for spec in prim.GetPrimStack())
+def _Find(prim, asset):
+    """The file of an asset of a prim's metadata, from a layer that says something of the prim; or ""."""
+    paths = (str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(spec.layer, asset.path)))
+             for spec in prim.GetPrimStack())
+    return asset.resolvedPath or next(filter(None, paths), "")
+
+
+def _WithoutPipes(files):
+    """A line for each that is a pipe. OpenUSD would open it with its first value, and wait."""
+    pipes = [file for file in dict.fromkeys(files) if file and IsPipe(file)]
+    for file in pipes:
+        StandIn(file)
+    return [f"{file} of its value clips {IS_PIPE}" for file in pipes]
 
 
 def _NumClips(clipSet):
