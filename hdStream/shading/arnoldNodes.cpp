@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/arnoldNodes.h"
 
+#include "hdStream/shading/arnoldPatterns.h"
 #include "hdStream/shading/shaderNodes.h"
 
 #include <algorithm>
@@ -573,7 +574,7 @@ const ArnoldType* FindType(const std::string& identifier) {
 
 bool IsArnoldSurface(const std::string& identifier) {
     const ArnoldType* type = FindType(identifier);
-    return type != nullptr && type->isSurface;
+    return (type != nullptr && type->isSurface) || IsArnoldPattern(identifier);
 }
 
 MaterialNetwork TranslateArnold(const MaterialNetwork& network, const std::string& materialPath,
@@ -582,7 +583,11 @@ MaterialNetwork TranslateArnold(const MaterialNetwork& network, const std::strin
         std::any_of(network.nodes.begin(), network.nodes.end(), [](const MaterialNode& node) {
             return node.identifier.compare(0, 7, "arnold:") == 0;
         });
-    return hasAny ? Translator(network, materialPath, warnings).Translate() : network;
+    if (!hasAny) {
+        return network;
+    }
+    const MaterialNetwork expanded = ExpandArnoldPatterns(network, materialPath, warnings);
+    return Translator(expanded, materialPath, warnings).Translate();
 }
 
 } // namespace hds

@@ -309,7 +309,8 @@ bool TryPutOn(const ClosureSlab& top, ClosureSlab* base) {
 /// How often what lies on top of `numBelow` slabs is chosen: about as much as it reflects of light
 /// from all sides, and often enough for what it reflects at the rims. Not what it reflects towards
 /// the viewer: shares of constants are constants, and programs stay short however many layers there
-/// are.
+/// are. Nor by an index that varies, as hardly any reflects more than the least share of hits; nor
+/// by colours that vary on many slabs: each share would be computed again in all below it.
 ShaderValue CoverShare(const LayeredMaterial& top, std::size_t numBelow) {
     const ShaderValue least = MakeScalar(std::min(0.25F, 1.0F / static_cast<float>(numBelow + 1)));
     const ShaderValue most = MakeScalar(0.9F);
@@ -325,6 +326,11 @@ ShaderValue CoverShare(const LayeredMaterial& top, std::size_t numBelow) {
             ? MakeMath(HDS_MATH_DOT, {ValueOf(top, HDS_INPUT_SCHLICK_COLOR), third}, 1)
             : Multiply(root, root, 1);
     const ShaderValue reflected = Mix(front, One(), MakeScalar(1.0F / 21.0F), 1); // of (1 - cos)^5
+    constexpr std::size_t kMaxVarying = 3;
+    if (!IsConstant(reflected) &&
+        (!top.values[HDS_INPUT_SCHLICK_EXPONENT] || numBelow > kMaxVarying)) {
+        return least;
+    }
     return MakeMath(HDS_MATH_MIN, {MakeMath(HDS_MATH_MAX, {reflected, least}, 1), most}, 1);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/lightFilter.h"
 
+#include "kernels/shared/filterCombine.h"
+
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
@@ -22,6 +24,7 @@ using Names = std::initializer_list<const char*>;
 
 constexpr const char* kIntMult = "PxrIntMultLightFilter";
 constexpr const char* kBarn = "PxrBarnLightFilter";
+constexpr const char* kBlocker = "PxrBlockerLightFilter"; // a rod with fewer inputs
 constexpr const char* kCookie = "PxrCookieLightFilter";
 constexpr const char* kGobo = "PxrGoboLightFilter";
 constexpr const char* kRamp = "PxrRampLightFilter";
@@ -161,7 +164,7 @@ void ReadRegion(Parameters* in, bool isBarn, shared::HdsLightFilter* out) {
 }
 
 void ReadBarn(Parameters* in, shared::HdsLightFilter* out) {
-    out->type = HDS_FILTER_BARN;
+    out->type |= HDS_FILTER_BARN;
     ReadRegion(in, true, out);
     out->mode = in->Choice({"preBarnEffect", "preBarn"}, {"noEffect", "cone", "noLight"},
                            HDS_FILTER_PASSES);
@@ -190,7 +193,7 @@ std::uint32_t AppendRamp(Parameters* in, Names positionNames, Names colorNames, 
 }
 
 void ReadRamp(Parameters* in, std::vector<float>* data, shared::HdsLightFilter* out, double* peak) {
-    out->type = HDS_FILTER_RAMP;
+    out->type |= HDS_FILTER_RAMP;
     out->mode =
         in->Choice({"rampMode", "rampType"}, {"distanceToLight", "linear", "spherical", "radial"},
                    HDS_FILTER_TO_LIGHT);
@@ -208,7 +211,7 @@ void ReadRamp(Parameters* in, std::vector<float>* data, shared::HdsLightFilter* 
 /// False, after a warning of who reads it: there is no image.
 bool ReadCookie(Parameters* in, const FilterImage* image, std::vector<float>* data,
                 shared::HdsLightFilter* out, double* peak) {
-    out->type = HDS_FILTER_COOKIE;
+    out->type |= HDS_FILTER_COOKIE;
     out->mode =
         in->Choice({"texture:wrapMode", "tileMode"}, {"off", "repeat", "clamp"}, HDS_FILTER_FILL);
     const std::array<double, 2> sizes{in->Number({"width"}, 1.0), in->Number({"height"}, 1.0)};
@@ -254,8 +257,7 @@ Multiplier ReadMultiplier(Parameters* in) {
 }
 
 /// What filters of all kinds have in common.
-void ReadCommon(Parameters* in, const LightFilter& filter, Warnings& warnings,
-                shared::HdsLightFilter* out) {
+void ReadCommon(Parameters* in, const LightFilter& filter, shared::HdsLightFilter* out) {
     out->density = float(glm::clamp(in->Number({"density"}, 1.0), 0.0, 1.0));
     out->inverted = in->Number({"invert"}, 0.0) != 0.0 ? 1.0F : 0.0F;
     const glm::dmat4 filterFromWorld = glm::inverse(filter.worldFromFilter);
@@ -264,12 +266,9 @@ void ReadCommon(Parameters* in, const LightFilter& filter, Warnings& warnings,
             out->filterFromWorld[4 * row + column] = float(filterFromWorld[column][row]);
         }
     }
-    const std::uint32_t mode =
-        in->Choice({"combineMode"}, {"multiply", "max", "min", "screen", "mult"}, 0);
-    if (mode >= 1 && mode <= 3) {
-        warnings.Add(filter.node.path, "light filter: its combine mode is not supported; filters "
-                                       "are multiplied");
-    }
+    const std::uint32_t way =
+        in->Choice({"combineMode"}, {"multiply", "max", "min", "screen"}, HDS_COMBINE_MULTIPLY);
+    out->type |= way << HDS_COMBINE_SHIFT;
     in->Number({"diffuse"}, 1.0); // ApplyFilterMultipliers
     in->Number({"specular"}, 1.0);
 }
@@ -295,12 +294,12 @@ std::optional<shared::HdsLightFilter> ReadFilter(const LightFilter& filter,
     }
     Parameters in(node);
     shared::HdsLightFilter out{};
-    ReadCommon(&in, filter, warnings, &out);
+    ReadCommon(&in, filter, &out);
     if (node.identifier == kBarn) {
         ReadBarn(&in, &out);
         *peak = std::max(1.0, double(out.inside[0]));
-    } else if (node.identifier == kRod) {
-        out.type = HDS_FILTER_ROD;
+    } else if (node.identifier == kRod || node.identifier == kBlocker) {
+        out.type |= HDS_FILTER_ROD;
         ReadRegion(&in, false, &out);
         Write(glm::dvec3(std::max(in.Number({"intensity"}, 0.0), 0.0)), out.inside);
         Write(glm::dvec3(1.0), out.outside);
@@ -331,12 +330,11 @@ std::optional<shared::HdsLightFilter> ReadFilter(const LightFilter& filter,
 const std::set<std::string>& LightFilterInputs() {
     static const std::set<std::string> names = [] {
         const LightFilter filter;
-        Warnings warnings;
         std::vector<float> data;
         shared::HdsLightFilter out{};
         double peak = 1.0;
         Parameters in(filter.node);
-        ReadCommon(&in, filter, warnings, &out);
+        ReadCommon(&in, filter, &out);
         ReadMultiplier(&in);
         ReadBarn(&in, &out);
         ReadRegion(&in, false, &out);
@@ -389,15 +387,32 @@ std::uint32_t AppendFilters(const std::vector<LightFilter>& filters, const LoadF
                             Warnings& warnings, std::vector<float>* data, double* peak) {
     std::vector<shared::HdsLightFilter> records;
     *peak = 1.0;
+    std::optional<double> most;
+    std::optional<double> least;
     for (const LightFilter& filter : filters) {
         double own = 1.0;
-        if (filter.node.identifier != kIntMult) {
-            if (const auto record = ReadFilter(filter, load, warnings, data, &own)) {
-                records.push_back(*record);
-                *peak *= own;
-            }
+        const auto record = filter.node.identifier == kIntMult
+                                ? std::nullopt
+                                : ReadFilter(filter, load, warnings, data, &own);
+        if (!record) {
+            continue;
+        }
+        records.push_back(*record);
+        switch (record->type >> HDS_COMBINE_SHIFT) {
+        case HDS_COMBINE_MULTIPLY:
+            *peak *= own;
+            break;
+        case HDS_COMBINE_MAX:
+            most = std::max(most.value_or(own), own);
+            break;
+        case HDS_COMBINE_MIN:
+            least = std::min(least.value_or(own), own);
+            break;
+        default:
+            break; // screens leave at most all
         }
     }
+    *peak *= most.value_or(1.0) * least.value_or(1.0);
     const std::size_t at = data->size();
     const std::size_t bytes = records.size() * sizeof(shared::HdsLightFilter);
     data->resize(at + bytes / sizeof(float));

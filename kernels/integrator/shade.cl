@@ -30,6 +30,7 @@
 #include "shading/layeredSchlick.clh"
 #include "shading/layeredSetup.clh"
 #include "shading/layeredSurface.clh"
+#include "shading/layeredSample.clh"
 #endif
 #include "shading/bsdf.clh"
 #include "shading/materialPoint.clh"

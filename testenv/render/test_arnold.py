@@ -138,6 +138,82 @@ def test_values_of_colours(tmp_path):
         assert cards.strip.Pixels(name)[:, :3] == pytest.approx(np.tile(value, (4, 1)), abs=2e-6), name
 
 
+def _Ramp(place, positions, colors, interpolations):
+    """By the knots in the order of their positions, constant or linear from each to the next, and constant beyond."""
+    knots = sorted(zip(positions, colors, interpolations), key=lambda knot: knot[0])
+    if place <= knots[0][0]:
+        return knots[0][1]
+    for (low, a, kind), (high, b, _) in zip(knots, knots[1:]):
+        if place < high:
+            return a + (b - a) * (place - low) / (high - low) if kind else a
+    return knots[-1][1]
+
+
+def test_patterns(tmp_path):
+    """Checkerboards and ramps. That the first colour is where the sum of cells is odd, and that one is linear, is what Arnold's own pictures
+    of its tests 0041, 0055 and 0135 show."""
+    cards = _Cards(tmp_path / "stage.usda")
+    Node, floats, colors3, ints = cards.Node, Sdf.ValueTypeNames.FloatArray, Sdf.ValueTypeNames.Color3fArray, Sdf.ValueTypeNames.IntArray
+
+    def Ramp(kind, positions, values, interpolations=None, **inputs):
+        node = Node(f"arnold:ramp_{kind}", **inputs)
+        node[0].CreateInput("position", floats).Set(list(positions))
+        if kind == "rgb":
+            node[0].CreateInput("color", colors3).Set([Gf.Vec3f(*map(float, value)) for value in values])
+        else:
+            node[0].CreateInput("value", floats).Set([float(value) for value in values])
+        if interpolations is not None:
+            node[0].CreateInput("interpolation", ints).Set(list(interpolations))
+        return node
+
+    positions, values, kinds = [0.125, 0.75, 0.5], np.array([RED, GOLD, BLUE]), [1, 1, 0]  # not in their order
+    expected = {}
+    for i, (u, v) in enumerate([(0.0625, 0.25), (0.3125, 0.5625), (0.625, 0.875), (0.875, 0.0625)]):
+        place = dict(st=(u, v))
+        isOdd = (np.floor(2 * 3 * u) + np.floor(2 * 5 * v)) % 2 == 1
+        checks = Node("arnold:checkerboard", color1=RED, color2=BLUE, u_frequency=3.0, v_frequency=5.0, contrast=1.0, filter_strength=1.0)
+        mask = Node("arnold:checkerboard")
+        level = Node("arnold:user_data_float", attribute="level")
+        for name, node, value in (
+                ("checks", checks, RED if isOdd else BLUE),
+                ("number", Node("arnold:mix_rgba", input1=GOLD, input2=(*BLUE, 1.0), mix=mask),
+                 BLUE if (np.floor(2 * u) + np.floor(2 * v)) % 2 == 1 else GOLD),
+                ("u", Ramp("rgb", positions, values, kinds, type="u"), _Ramp(u, positions, values, kinds)),
+                ("v", Ramp("rgb", positions, values, type="v"), _Ramp(v, positions, values, [1, 1, 1])),
+                ("float", Ramp("float", [0.0, 1.0], [0.25, 0.75], [1, 1], type="u", wrap_uvs=True), np.full(3, 0.25 + 0.5 * u)),
+                ("one", Ramp("rgb", [0.5], [GOLD], type="u"), GOLD),
+                ("custom", Ramp("rgb", positions, values, [1, 1, 1], input=level), _Ramp(0.375, positions, values, [1, 1, 1]))):
+            cards.Add(f"{name}{i}", node, **place)
+            expected[f"{name}{i}"] = np.asarray(value)
+    knot = Ramp("rgb", [0.0, 1.0], [RED, BLUE], [1, 1], type="u")
+    source = Node("arnold:flat", color=GOLD)
+    knot[0].CreateInput("color:i1", Sdf.ValueTypeNames.Color3f).ConnectToSource(source[0].GetOutput("out"))
+    cards.Add("knot", knot, st=(0.25, 0.5))
+    expected["knot"] = 0.75 * np.array(RED) + 0.25 * np.array(GOLD)
+    picture = cards.Picture(samples=1)
+    assert [line for line in picture.warnings if "no lights" not in line] == []
+    for name, value in expected.items():
+        assert cards.strip.Pixels(name)[:, :3] == pytest.approx(np.tile(value, (4, 1)), abs=3e-6), name
+
+
+def test_what_patterns_leave_out_is_told(tmp_path):
+    cards = _Cards(tmp_path / "stage.usda")
+    checks = cards.Node("arnold:checkerboard", u_offset=0.25, contrast=0.5, u_frequency=cards.Node("arnold:flat"))
+    cards.Add("checks", checks)
+    smooth, radial = (cards.Node("arnold:ramp_float", type=kind) for kind in ("u", "circular"))
+    for node in (smooth, radial):
+        node[0].CreateInput("position", Sdf.ValueTypeNames.FloatArray).Set([0.0, 1.0])
+        node[0].CreateInput("value", Sdf.ValueTypeNames.FloatArray).Set([0.0, 1.0])
+        node[0].CreateInput("interpolation", Sdf.ValueTypeNames.IntArray).Set([2, 2])
+    cards.Add("smooth", cards.Node("arnold:flat", color=smooth))
+    cards.Add("radial", cards.Node("arnold:flat", color=radial))
+    warnings = [line for line in cards.Picture(samples=1).warnings if "no lights" not in line]
+    assert sorted(warnings) == [
+        "/World/M0: arnold:checkerboard of /World/Node2: not supported and left out: u_frequency, u_offset, contrast",
+        "/World/M1: arnold:ramp_float of /World/Node3: not supported and left out: interpolation that is neither constant nor linear",
+        "/World/M2: shader arnold:ramp_float of /World/Node4 is not supported here"]
+
+
 # Of arnold:image, and of the UsdUVTexture with the same wraps, factors and placement: s' = (s scale + move).
 IMAGES = {
     "plain": ({}, {}, None), "linear": (dict(color_space="linear"), dict(sourceColorSpace="raw"), None),

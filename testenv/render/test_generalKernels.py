@@ -7,7 +7,7 @@ pytest.importorskip("hdstream._core")
 
 import formStages
 import ours
-from pxr import Usd
+from pxr import Sdf, Usd, UsdShade
 from stages import author, materialX, motion, shapes
 from stages.verify import CASES
 
@@ -51,11 +51,39 @@ def test_cases(name, residency, Cache, tmp_path):
     _AssertSameBits(CASES[name].Write(f"{tmp_path}/stage.usda"), Cache, residency=residency, geometryMemory="50%")
 
 
-def test_what_few_scenes_have_is_not_covered(Cache, tmp_path):
-    """Kernels of its own are compiled, whatever is asked for."""
-    stage = f"{tmp_path}/moving.usda"
-    motion.Write(stage, next(iter(motion.SCENES)))
-    assert _Render(stage, "general", Cache, samples=1)[1] == "own"
+def _WriteClosures(path, *layers) -> None:
+    """A ball of closures, each on those after it."""
+    stage = author.NewStage(path)
+    UsdShade.Material.Define(stage, "/World/Look")
+    below = None
+    for i, (kind, inputs) in reversed(list(enumerate(layers))):
+        node = materialX.AddNode(stage, f"/World/Look/Layer{i}", f"ND_{kind}_bsdf", Sdf.ValueTypeNames.Token, **inputs)
+        below = node if below is None else materialX.AddNode(stage, f"/World/Look/On{i}", "ND_layer_bsdf", Sdf.ValueTypeNames.Token, top=node,
+                                                             base=below)
+    look = materialX.AddSurface(stage, "/World/Look", "ND_surface", bsdf=below)
+    author.AddMesh(stage, "/World/Ball", materialX.Ball(1.0), material=look)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    author.AddCamera(stage, eye=(0, 0, 5))
+    stage.GetRootLayer().Save()
+
+
+_TINTED = [("dielectric", dict(tint=(0.9, 0.5, 0.2), ior=1.4 + 0.1 * i)) for i in range(3)]
+# Name: what writes the stage at a path.
+_RARE = {
+    "motion": lambda path: motion.Write(path, next(iter(motion.SCENES))),
+    "layersOnLayers": lambda path: _WriteClosures(path, *_TINTED, ("oren_nayar_diffuse", {})),
+    "sentBack": lambda path: _WriteClosures(path, ("conductor", dict(retroreflective=True, roughness=(0.2, 0.2)))),
+}
+
+
+@pytest.mark.parametrize("name", _RARE)
+def test_what_few_scenes_have_is_not_covered(name, Cache, tmp_path):
+    """Kernels of its own are compiled, whatever is asked for, and draw it from the first sample on."""
+    stage = f"{tmp_path}/rare.usda"
+    _RARE[name](stage)
+    (general, kernels), (own, _) = (_Render(stage, asked, Cache, samples=1) for asked in ("general", "own"))
+    assert kernels == "own" and own.rgb.std() > 0.001
+    assert general.layers["color"].tobytes() == own.layers["color"].tobytes()
 
 
 def _WriteFilmInABox(path, thickness: float) -> str:

@@ -186,6 +186,74 @@ def test_lights_and_directions_find_the_same_behind_a_frosted_wall(tmp_path):
     assert sampled == pytest.approx(np.full(3, expected), rel=0.01)
 
 
+def _ThroughFacets(wi, alpha, eta):
+    """f |cos| that GGX refracts from along the normal to wi [3], of all that it reflects and refracts.
+
+    Walter et al. 2007 with the height-correlated masking of Heitz 2014, times what makes the sum 1 (Turquin 2019). `eta` is the index
+    where wi is, relative to the viewer's side.
+    """
+    def Smith(z):
+        return np.sqrt(alpha**2 * (1 - z * z) + z * z)
+
+    def Masked(z):  # G2 along the normal and at the cosine z
+        return 4 * z * 0.5 / (Smith(z) + z) * (z > 0)
+
+    def Distribution(z):
+        return alpha**2 / (np.pi * (z * z * (alpha**2 - 1) + 1) ** 2)
+
+    def Fresnel(cosine):
+        sine = (1 - cosine**2) / eta**2
+        other = np.sqrt(np.maximum(1 - sine, 0))
+        s, p = (cosine - eta * other) / (cosine + eta * other), (eta * cosine - other) / (eta * cosine + other)
+        return np.where(sine < 1, 0.5 * (s * s + p * p), 1.0)
+
+    z = (np.arange(200000) + 0.5) / 200000  # of the facet's normal, whose cosine to the viewer it is
+    sine = np.sqrt(1 - z * z)
+    inside = np.arcsin(np.minimum(sine / eta, 1.0))
+    turn = np.arcsin(sine)
+    mirrored = np.cos(2 * turn)
+    below = np.cos(inside - turn)  # to the normal, on the other side
+    kept = (2 * np.pi * Distribution(z) * z * (Fresnel(z) * Masked(mirrored) + (1 - Fresnel(z)) * Masked(below))).mean()
+    h = np.array([0.0, 0.0, 1.0]) + eta * wi
+    h *= np.sign(h[2]) / np.linalg.norm(h)
+    cosO, cosI = h[2], h @ wi
+    jacobian = eta**2 * abs(cosI) / (cosO + eta * cosI) ** 2
+    return (1 - Fresnel(cosO)) * Distribution(h[2]) * Masked(-wi[2]) * cosO * jacobian / kept
+
+
+@pytest.mark.parametrize("roughness, angle", [(0.3, 10), (0.5, 10), (0.5, 25)])
+def test_a_small_lamp_is_found_through_rough_glass(tmp_path, roughness, angle):
+    """From inside of the glass by light samples: directions alone would find so small a lamp some thirty times."""
+    turned, distance, radius = np.radians(angle), 3.0, 0.05
+    way = np.array([0.0, np.sin(turned), -np.cos(turned)])
+    light = ("Sphere", dict(radius=radius, intensity=1e4, placement=dict(translate=tuple(distance * way))))
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    material = AddSurface(stage, "/World/Look", **{**_GLASS, "specular_roughness": roughness})
+    author.AddMesh(stage, "/World/Shape", shapes.Plane(4, 4), material=material, doubleSided=True, rotate=(-90, 0, 0))  # its back
+    author.AddLight(stage, "/World/Light", light[0], **light[1])
+    author.AddCamera(stage, eye=(0, 0, 10), width=0.2, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    color = ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=256, maxDepth=2).rgb.reshape(-1, 3).mean(0)
+    expected = 1e4 * np.pi * radius**2 / distance**2 * _ThroughFacets(way, roughness**2, 1 / 1.5)
+    assert color == pytest.approx(np.full(3, expected), rel=0.025)  # what the table of E is worth from inside
+
+
+@pytest.mark.parametrize("roughness, coat", [(0.3, {}), (0.5, {}), (0.8, {}), (0.5, dict(coat=1.0, coat_roughness=0.3))], ids=str)
+def test_rough_glass_is_invisible_among_panels(tmp_path, roughness, coat):
+    """Six panels around a ball are a furnace: what light samples find of each and what directions find add up to 1."""
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    material = AddSurface(stage, "/World/Look", **{**_GLASS, **coat, "specular_roughness": roughness})
+    author.AddMesh(stage, "/World/Shape", shapes.Sphere(1.0, 48, 96), material=material)
+    for name, rotate in dict(front=(0, 0, 0), back=(0, 180, 0), left=(0, 90, 0), right=(0, -90, 0), top=(90, 0, 0), bottom=(-90, 0, 0)).items():
+        light = author.AddLight(stage, f"/World/{name}", "Rect", width=4.0, height=4.0, intensity=1.0)
+        for place in (dict(rotate=rotate), dict(translate=(0, 0, 2))):  # each looks at the ball from 2 away
+            author.Place(light, **place)
+    author.AddCamera(stage, eye=(0, 0, 1.9), width=12.0, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    color = ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=64, maxDepth=48).rgb.reshape(-1, 3).mean(0)
+    assert color == pytest.approx(np.ones(3), abs=0.02)
+
+
 @pytest.mark.parametrize("roughness, isClear", [(0.3, True), (0.6, False)])
 @pytest.mark.parametrize("identifier", _FROSTED)
 def test_clear_thin_walls_pass_shadow_rays(tmp_path, identifier, roughness, isClear):

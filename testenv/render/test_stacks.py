@@ -41,6 +41,12 @@ class Stage:
             inputs["normal"] = _Map(self._stage, name, inputs["normal"])
         return AddNode(self._stage, f"/World/Look/{name}", f"ND_{kind}", Sdf.ValueTypeNames.Token, **inputs)
 
+    def Split(self, value):
+        """A number or a colour that is the same on both sides of a line."""
+        self._count += 1
+        kind, output = ("color3", Sdf.ValueTypeNames.Color3f) if isinstance(value, tuple) else ("float", Sdf.ValueTypeNames.Float)
+        return AddNode(self._stage, f"/World/Look/Split{self._count}", f"ND_splitlr_{kind}", output, valuel=value, valuer=value)
+
     def Stack(self, *layers):
         below = None
         for layer in reversed(layers):
@@ -186,15 +192,21 @@ def _Mirrors(number):
     return [("dielectric", dict(ior=1.1 + 0.8 / number * index, tint=TINT, **SMOOTH)) for index in range(number)]
 
 
-@pytest.mark.parametrize("number", [6, 31])
-def test_each_of_many_mirrors_takes_its_part(tmp_path, number):
-    """Along the normal each reflects what its index says, times the tint, whatever their number."""
+def _Varying(kind, inputs):
+    """The layer with an index and a tint that may vary for all that a program knows."""
+    return lambda stage: stage.Node(f"{kind}_bsdf", **inputs | dict(ior=stage.Split(inputs["ior"]), tint=stage.Split(inputs["tint"])))
+
+
+@pytest.mark.parametrize("number, varies", [(6, False), (31, False), (6, True), (20, True)])
+def test_each_of_many_mirrors_takes_its_part(tmp_path, number, varies):
+    """Along the normal each reflects what its index says, times the tint, whatever their number and whether they vary."""
     left, expected = 1.0, np.zeros(3)
     for _, inputs in _Mirrors(number):
         reflected = ((inputs["ior"] - 1) / (inputs["ior"] + 1)) ** 2
         expected = expected + left * reflected * np.array(TINT)
         left *= 1 - reflected
-    seen = _Color(tmp_path, _Stack(*_Mirrors(number), GRAY), DOME, 4096, 16, maxDepth=2)
+    layers = [_Varying(*layer) for layer in _Mirrors(number)] if varies else _Mirrors(number)
+    seen = _Color(tmp_path, _Stack(*layers, GRAY), DOME, 4096, 16, maxDepth=2)
     assert seen == pytest.approx(expected + 0.5 * left, abs=8e-3)
 
 

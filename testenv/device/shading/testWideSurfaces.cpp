@@ -126,7 +126,7 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     out = put3(out, bsdf_evaluate(&at.bsdf, at.lobes, at.shading.wo, wi, &pdf));
     out = put1(out, pdf);
     Real3 sampled;
-    out = put3(out, bsdf_sample(&at.bsdf, at.lobes, at.shading.wo, u, &sampled, &pdf));
+    out = put3(out, bsdf_sample(&at.bsdf, at.lobes, at.shading.wo, u, u.x, &sampled, &pdf));
     out = put1(out, pdf);
     out = put3(out, only(pdf > 0.0f, sampled));
     Real side = 1.0f;

@@ -61,7 +61,8 @@ struct LayeredParameters {
 };
 
 constexpr const char* kUnpackLayered = R"(
-#include "shading/layeredSurface.clh"
+#include "sample/sampler.clh"
+#include "shading/layeredSample.clh"
 #define PACKED (4 * HDS_NUM_LAYERED_INPUTS + 2)
 HdsLayeredSurface unpackLayered(global const float* packed, float3 wo) {
     float4 values[HDS_NUM_LAYERED_INPUTS];
@@ -93,7 +94,8 @@ kernel void sampleAll(global const float* packed, float x, float y, float z,
     HdsLayeredSurface s = unpackLayered(packed, wo);
     float3 wi;
     float pdf;
-    float3 weight = layered_sample(&s, wo, vload2(i, us), &wi, &pdf);
+    float choice = (float)(sampler_hash(i) >> 8) * 0x1p-24f;
+    float3 weight = layered_sample(&s, wo, vload2(i, us), choice, &wi, &pdf);
     float again;
     float3 value = layered_evaluate(&s, wo, wi, &again);
     vstore4((float4)(weight, pdf), 3 * i, out);
