@@ -215,8 +215,7 @@ void HdStreamRenderBuffer::ShowLayer(const std::shared_ptr<const hds::FilmImage>
                                      const hds::ImageLayer* layer) {
     const hds::AovInfo* info = hds::FindAov(_shown->aovName);
     const bool isComposited = info && info->isColor && info->NumChannels() == 4;
-    Write(layer, _shown->dataWindow, isComposited,
-          ClearPixel(_shown->aovName, _shown->clearValue));
+    Write(layer, _shown->dataWindow, isComposited, ClearPixel(_shown->aovName, _shown->clearValue));
     _shown->isNothing = layer == nullptr;
     _shown->image = image;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render buffers: host memory that is filled from published images, when a pass is executed and when
-// the host resolves a buffer. The render thread never writes to them, so a buffer may be reallocated
-// or go at any time.
+// Render buffers: host memory that is filled from published images, when a pass is executed and
+// when the host resolves a buffer. The render thread never writes to them, so a buffer may be
+// reallocated or go at any time.
 #pragma once
 
 #include "hdStream/session/renderThread.h"
@@ -28,8 +28,8 @@ enum class HdStreamShowResult {
     Mapped,  ///< somebody reads the buffer; it is as it was
 };
 
-/// A render buffer. Map, Unmap, Resolve and the queries are thread-safe; all else is the application's
-/// thread only.
+/// A render buffer. Map, Unmap, Resolve and the queries are thread-safe; all else is the
+/// application's thread only.
 class HdStreamRenderBuffer final : public HdRenderBuffer {
 public:
     explicit HdStreamRenderBuffer(const SdfPath& id);
@@ -72,7 +72,8 @@ protected:
 private:
     struct Shown; ///< what the contents were made from
     /// Precondition: locked, not mapped.
-    void ShowLayer(const std::shared_ptr<const hds::FilmImage>& image, const hds::ImageLayer* layer);
+    void ShowLayer(const std::shared_ptr<const hds::FilmImage>& image,
+                   const hds::ImageLayer* layer);
     void Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow, bool isColor,
                const HdStreamPixel& clear);
 

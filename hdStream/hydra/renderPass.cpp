@@ -221,8 +221,7 @@ void HdStreamRenderPass::Show(const HdRenderPassState& state, std::uint64_t vers
     bool isMapped = false;
     for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
         if (HdStreamRenderBuffer* buffer = BufferOf(binding, GetRenderIndex())) {
-            const HdStreamShowResult result =
-                buffer->Show(
+            const HdStreamShowResult result = buffer->Show(
                 image, _pictures, HdStreamAovName(binding), dataWindow, binding.clearValue);
             isMapped |= result == HdStreamShowResult::Mapped;
             buffer->SetConverged(isConverged && result != HdStreamShowResult::Mapped);

@@ -51,8 +51,8 @@ private:
     bool _hasCamera = false;       ///< it was made
     GfMatrix4d _worldToView{0.0};
     GfMatrix4d _projection{0.0};
-    std::string _reported;            ///< the error that was reported last
-    std::uint64_t _warnedVersion = 0; ///< whose warnings were printed
+    std::string _reported;                       ///< the error that was reported last
+    std::uint64_t _warnedVersion = 0;            ///< whose warnings were printed
     std::shared_ptr<HdStreamPictures> _pictures; ///< that buffers show
     bool _isConverged = false;
 };

@@ -232,8 +232,8 @@ void AddGroups(Session* session) {
         member.materialPath = i % 2 == 0 ? "/red" : "";
         const bool isInner = i < 2;
         member.placement.instancerPath = isInner ? "/groups/inner" : "/groups";
-        member.placement.instances = isInner ? std::vector<std::int32_t>{0, 2}
-                                             : std::vector<std::int32_t>{0, 1, 2};
+        member.placement.instances =
+            isInner ? std::vector<std::int32_t>{0, 2} : std::vector<std::int32_t>{0, 1, 2};
         member.placement.worldFromObject =
             glm::scale(Move(0.0, 0.2 * i, 0.2 * (i % 2)), glm::dvec3(0.12));
         member.primId = 200 + i;

@@ -380,8 +380,8 @@ TEST_F(PrimMoves, WhatComesBackInAnotherShapeIsCountedOnce) {
     const auto pinched = std::make_shared<GeometryDescription>(*prim.geometry);
     std::vector<float> points(prim.geometry->points.begin(), prim.geometry->points.end());
     for (std::size_t corner = 1; corner < 4; ++corner) {
-        const auto [to, from] = std::pair{pinched->faceVertexIndices[corner],
-                                          pinched->faceVertexIndices[0]};
+        const auto [to, from] =
+            std::pair{pinched->faceVertexIndices[corner], pinched->faceVertexIndices[0]};
         std::copy_n(points.begin() + std::ptrdiff_t{3} * from, 3,
                     points.begin() + std::ptrdiff_t{3} * to);
     }
