@@ -157,6 +157,31 @@ TEST_F(BoundBuffers, ResolveLeavesPixelsThatSomebodyReads) {
     EXPECT_NE(host.Read().bytes, before) << "the render is done, and nobody reads";
 }
 
+TEST_F(BoundBuffers, OtherThreadsMayResolveWhileFramesRun) {
+    HostOptions options = Quick({HdAovTokens->color, HdAovTokens->depth}, 32);
+    options.settings[HdRenderSettingsTokens->enableInteractive] = VtValue(true);
+    Host host(ThreeMeshes(), options);
+    host.Frame();
+    std::atomic<bool> isOver{false};
+    std::vector<std::thread> readers;
+    for (const TfToken& aov : {HdAovTokens->color, HdAovTokens->depth, HdAovTokens->color}) {
+        readers.emplace_back([&isOver, buffer = host.Buffer(aov)] {
+            while (!isOver) {
+                buffer->Resolve();
+                const Image image = ReadBuffer(buffer);
+                EXPECT_EQ(image.width, kWidth);
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+        });
+    }
+    EXPECT_TRUE(host.RenderUntilConverged());
+    isOver = true;
+    for (std::thread& reader : readers) {
+        reader.join();
+    }
+    EXPECT_EQ(host.Render(), RenderFresh(host, options));
+}
+
 TEST_F(BoundBuffers, ResolveKeepsOutputsTogether) {
     HostOptions options = Quick({HdAovTokens->color, TfToken("alpha")}, 1000000);
     options.aovs[0].clearValue = VtValue(GfVec4f(0.0F));
