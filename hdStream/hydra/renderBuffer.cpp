@@ -2,6 +2,7 @@
 #include "hdStream/hydra/renderBuffer.h"
 
 #include "hdStream/hydra/floatValues.h"
+#include "hdStream/hydra/pictures.h"
 #include "hdStream/hydra/pixelWriter.h"
 #include "hdStream/session/session.h"
 
@@ -112,9 +113,10 @@ struct HdStreamRenderBuffer::Shown {
     std::string aovName;
     GfRect2i dataWindow;
     VtValue clearValue;
+    std::weak_ptr<HdStreamPictures> pictures; ///< where later images come from
 
     bool IsImage(const std::shared_ptr<const hds::FilmImage>& other) const {
-        return other && !isNothing && !image.owner_before(other) && !other.owner_before(image);
+        return other && !isNothing && HdStreamIsSameImage(image, other);
     }
 };
 
@@ -165,7 +167,22 @@ void HdStreamRenderBuffer::Unmap() {
     }
 }
 
+void HdStreamRenderBuffer::Resolve() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    const std::shared_ptr<HdStreamPictures> pictures = _shown ? _shown->pictures.lock() : nullptr;
+    if (!pictures || _numMappers.load() > 0) {
+        return;
+    }
+    if (const std::shared_ptr<const hds::FilmImage> image = pictures->After(_shown->image, this)) {
+        // One without the layer is the pass's affair.
+        if (const hds::ImageLayer* layer = FindLayer(*image, _shown->aovName, _shown->dataWindow)) {
+            ShowLayer(image, layer);
+        }
+    }
+}
+
 HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::FilmImage>& image,
+                                              const std::shared_ptr<HdStreamPictures>& pictures,
                                               const std::string& aovName,
                                               const GfRect2i& dataWindow,
                                               const VtValue& clearValue) {
@@ -178,22 +195,29 @@ HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::F
                         _shown->clearValue == clear &&
                         (layer ? _shown->IsImage(image) : _shown->isNothing);
     if (isSame) {
+        _shown->pictures = pictures;
         return result;
     }
     if (_numMappers.load() > 0) {
         return HdStreamShowResult::Mapped;
     }
-    const hds::AovInfo* info = hds::FindAov(aovName);
-    const bool isComposited = info && info->isColor && info->NumChannels() == 4;
-    Write(layer, dataWindow, isComposited, ClearPixel(aovName, clear));
     auto shown = std::make_unique<Shown>();
-    shown->isNothing = layer == nullptr;
     shown->aovName = aovName;
     shown->dataWindow = dataWindow;
     shown->clearValue = clear;
-    shown->image = image;
+    shown->pictures = pictures;
     _shown = std::move(shown);
+    ShowLayer(image, layer);
     return result;
+}
+
+void HdStreamRenderBuffer::ShowLayer(const std::shared_ptr<const hds::FilmImage>& image,
+                                     const hds::ImageLayer* layer) {
+    const hds::AovInfo* info = hds::FindAov(_shown->aovName);
+    const bool isComposited = info && info->isColor && info->NumChannels() == 4;
+    Write(layer, _shown->dataWindow, isComposited, ClearPixel(_shown->aovName, _shown->clearValue));
+    _shown->isNothing = layer == nullptr;
+    _shown->image = image;
 }
 
 void HdStreamRenderBuffer::Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render buffers: host memory that render passes fill from published images. The render thread
-// never writes to them, so a buffer may be reallocated or go at any time.
+// Render buffers: host memory that is filled from published images, when a pass is executed and
+// when the host resolves a buffer. The render thread never writes to them, so a buffer may be
+// reallocated or go at any time.
 #pragma once
 
 #include "hdStream/session/renderThread.h"
@@ -18,6 +19,7 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 struct HdStreamPixel;
+class HdStreamPictures;
 
 /// What became of showing an image in a buffer.
 enum class HdStreamShowResult {
@@ -26,8 +28,8 @@ enum class HdStreamShowResult {
     Mapped,  ///< somebody reads the buffer; it is as it was
 };
 
-/// A render buffer. Map, Unmap and the queries are thread-safe; all else is the application's
-/// thread only.
+/// A render buffer. Map, Unmap, Resolve and the queries are thread-safe; all else is the
+/// application's thread only.
 class HdStreamRenderBuffer final : public HdRenderBuffer {
 public:
     explicit HdStreamRenderBuffer(const SdfPath& id);
@@ -47,17 +49,20 @@ public:
     void* Map() override;
     void Unmap() override;
     bool IsMapped() const override { return _numMappers.load() != 0; }
-    /// Nothing to do: what Show wrote is what readers see.
-    void Resolve() override {}
+    /// Shows what the pass has got since, of the version that it was executed for; hosts that look
+    /// between two frames need not wait for the next one. Nothing while mapped.
+    void Resolve() override;
     bool IsConverged() const override { return _isConverged.load(); }
     void SetConverged(bool isConverged) { _isConverged.store(isConverged); }
 
     /// Shows a published image's layer.
     /// \param image whatever is newest; null: nothing is rendered yet
+    /// \param pictures what Resolve asks from here on, while the pass keeps it
     /// \param aovName name of the layer
     /// \param dataWindow where the image lies in the buffer, in pixels, y down
     /// \param clearValue of the binding; empty: the one before holds
     HdStreamShowResult Show(const std::shared_ptr<const hds::FilmImage>& image,
+                            const std::shared_ptr<HdStreamPictures>& pictures,
                             const std::string& aovName, const GfRect2i& dataWindow,
                             const VtValue& clearValue);
 
@@ -66,6 +71,9 @@ protected:
 
 private:
     struct Shown; ///< what the contents were made from
+    /// Precondition: locked, not mapped.
+    void ShowLayer(const std::shared_ptr<const hds::FilmImage>& image,
+                   const hds::ImageLayer* layer);
     void Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow, bool isColor,
                const HdStreamPixel& clear);
 
@@ -74,7 +82,7 @@ private:
     HdFormat _format = HdFormatInvalid;
     std::vector<unsigned char> _pixels;
     std::unique_ptr<Shown> _shown;
-    std::mutex _mutex; ///< between Map and Show
+    std::mutex _mutex; ///< between Map, Resolve and Show
     std::atomic<int> _numMappers{0};
     std::atomic<bool> _isConverged{false};
 };

@@ -155,8 +155,7 @@ void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
         return;
     }
     _delegate->DumpOnce();
-    param.Thread().SetSettings(settings);
-    Show(*state);
+    Show(*state, param.Thread().SetSettings(settings));
     if (_isConverged) {
         _delegate->WriteDeepProducts(settings);
     }
@@ -206,11 +205,14 @@ std::string HdStreamRenderPass::CameraPath(const HdRenderPassState& state,
     return _cameraPath;
 }
 
-void HdStreamRenderPass::Show(const HdRenderPassState& state) {
+void HdStreamRenderPass::Show(const HdRenderPassState& state, std::uint64_t version) {
     hds::RenderThread& thread = _delegate->Param().Thread();
     // In this order: what is newest now is at least what made it converge.
     const bool isConverged = thread.IsConverged();
-    const std::shared_ptr<const hds::FilmImage> image = thread.Newest();
+    if (!_pictures || _pictures->Version() != version) {
+        _pictures = std::make_shared<HdStreamPictures>(thread, version);
+    }
+    const std::shared_ptr<const hds::FilmImage> image = _pictures->Newest();
     if (image) {
         Report(*image);
         PrintWarnings(*image);
@@ -219,8 +221,8 @@ void HdStreamRenderPass::Show(const HdRenderPassState& state) {
     bool isMapped = false;
     for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
         if (HdStreamRenderBuffer* buffer = BufferOf(binding, GetRenderIndex())) {
-            const HdStreamShowResult result =
-                buffer->Show(image, HdStreamAovName(binding), dataWindow, binding.clearValue);
+            const HdStreamShowResult result = buffer->Show(
+                image, _pictures, HdStreamAovName(binding), dataWindow, binding.clearValue);
             isMapped |= result == HdStreamShowResult::Mapped;
             buffer->SetConverged(isConverged && result != HdStreamShowResult::Mapped);
         }

@@ -3,6 +3,7 @@
 // for it only while that writes files that hosts leave to the renderer.
 #pragma once
 
+#include "hdStream/hydra/pictures.h"
 #include "hdStream/session/renderThread.h"
 
 #include <pxr/base/gf/matrix4d.h>
@@ -36,7 +37,8 @@ private:
     hds::Settings MakeSettings(const HdRenderPassState& state, const TfTokenVector& renderTags);
     /// The scene path of the pass's camera; one made of its matrices when it has none.
     std::string CameraPath(const HdRenderPassState& state, hds::Settings* settings);
-    void Show(const HdRenderPassState& state);
+    /// Shows what is newest. \param version that is asked for.
+    void Show(const HdRenderPassState& state, std::uint64_t version);
     /// What is bound will not change.
     void SetConverged(const HdRenderPassState& state);
     /// Reports an image's error, once while it lasts.
@@ -49,8 +51,9 @@ private:
     bool _hasCamera = false;       ///< it was made
     GfMatrix4d _worldToView{0.0};
     GfMatrix4d _projection{0.0};
-    std::string _reported;            ///< the error that was reported last
-    std::uint64_t _warnedVersion = 0; ///< whose warnings were printed
+    std::string _reported;                       ///< the error that was reported last
+    std::uint64_t _warnedVersion = 0;            ///< whose warnings were printed
+    std::shared_ptr<HdStreamPictures> _pictures; ///< that buffers show
     bool _isConverged = false;
 };
 

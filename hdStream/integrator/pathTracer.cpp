@@ -58,6 +58,7 @@ struct PathTracer::Impl {
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
+        pixelLists.Begin(schedule);
         hasRest = start.empty();
         numBegun = 0;
         SetWaveLimits();

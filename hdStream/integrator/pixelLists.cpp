@@ -3,6 +3,16 @@
 
 namespace hds {
 
+void PixelLists::Begin(const SampleSchedule& schedule) {
+    if (_all.number != schedule.NumberOfAll()) {
+        _all = {};
+    }
+    if (_preview.number != schedule.NumberOf(PixelList::Preview)) {
+        _preview = {};
+    }
+    _others = {}; // of one render each
+}
+
 const Buffer& PixelLists::Get(const SampleSchedule& schedule, PixelList list) {
     const std::uint64_t number = schedule.NumberOf(list);
     const bool isAll = number == schedule.NumberOfAll();

@@ -17,6 +17,9 @@ class PixelLists {
 public:
     explicit PixelLists(std::shared_ptr<Device> device) : _device(std::move(device)) {}
 
+    /// Frees what a render of this schedule has no use for.
+    void Begin(const SampleSchedule& schedule);
+
     /// SampleSchedule::Pixels. Its contents may be others after the next call.
     const Buffer& Get(const SampleSchedule& schedule, PixelList list);
     /// SampleSchedule::AllPixels.

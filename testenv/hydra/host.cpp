@@ -28,7 +28,8 @@ SdfPath BufferPath(const TfToken& aov) {
 void RegisterTestPlugin() {
 #ifdef HDSTREAM_TEST_PLUGIN_PATH
     static const bool isRegistered = [] {
-        PlugRegistry::GetInstance().RegisterPlugins(HDSTREAM_TEST_PLUGIN_PATH);
+        PlugRegistry::GetInstance().RegisterPlugins(
+            TfGetenv("HDSTREAM_TEST_PLUGIN", HDSTREAM_TEST_PLUGIN_PATH));
         return true;
     }();
     (void)isRegistered;

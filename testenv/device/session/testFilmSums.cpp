@@ -11,6 +11,14 @@ namespace {
 
 constexpr std::uint32_t kSamples = 40; // two blocks and the beginning of a third
 
+/// A prim that shows nothing but the shadows of others.
+void MakeCatcher(GeometryPrim* prim) {
+    auto geometry = std::make_shared<GeometryDescription>(*prim->geometry);
+    geometry->primvars.push_back(
+        {"hdstream:shadowCatcher", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}});
+    prim->geometry = std::move(geometry);
+}
+
 class FilmSumsTest : public DeviceFixture {
 protected:
     static Settings SettingsOf(std::uint32_t samples) {
@@ -103,12 +111,23 @@ TEST_F(FilmSumsTest, ARenderThatWasStoppedInsideAPassGoesOn) {
 
 /// Of a film that holds the render before.
 TEST_F(FilmSumsTest, PixelsThatAStoppedRenderHasNotReachedAreBlack) {
-    for (const bool interactive : {false, true}) {
+    struct Case {
+        bool interactive;
+        bool hasOthers; ///< sums beside light paths: of shadow catchers and ambient occlusion
+    };
+    for (const auto [interactive, hasOthers] :
+         {Case{false, false}, Case{true, false}, Case{false, true}, Case{true, true}}) {
         Session session;
         FillSession(&session);
         Settings settings = SettingsOf(3);
         settings.aovs.insert(settings.aovs.end(), {"diffuse", "direct"});
         settings.interactive = interactive;
+        if (hasOthers) {
+            settings.aovs.emplace_back("ambientOcclusion");
+            GeometryPrim ground = session.Scene().geometry.at("/ground");
+            MakeCatcher(&ground);
+            session.SetGeometry("/ground", ground);
+        }
         EXPECT_EQ(session.Render(settings), RenderResult::Complete);
         settings.samples = 1;
         settings.waveSize = 300; // of 1536 pixels
@@ -135,7 +154,7 @@ TEST_F(FilmSumsTest, PixelsThatAStoppedRenderHasNotReachedAreBlack) {
         }
         EXPECT_GT(numReached, 0U);
         EXPECT_LT(numReached, all.pixels.size());
-        EXPECT_EQ(all.lightPathPixels.size(), 2 * all.pixels.size());
+        EXPECT_EQ(all.lightPathPixels.size(), (hasOthers ? 5 : 2) * all.pixels.size());
     }
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
 
 #include <functional>
 #include <random>
@@ -204,8 +205,83 @@ Edit RandomEdit(std::mt19937* random, int count) {
     };
 }
 
+/// Two instancers below one another, whose prototypes of two prims are groups, and a lone one that
+/// places one of FillWithMany's prims.
+void AddGroups(Session* session) {
+    const auto rows = [](int count, double step) {
+        std::vector<double> transforms;
+        for (int i = 0; i < count; ++i) {
+            const glm::dmat4 matrix = Move(step * i, 0.1 * i, 0.05 * i);
+            transforms.insert(transforms.end(), glm::value_ptr(matrix),
+                              glm::value_ptr(matrix) + 16);
+        }
+        return transforms;
+    };
+    InstancerPrim outer;
+    outer.placement.worldFromObject = Move(-2.0, 0.3, 0.5);
+    outer.instanceTransforms = rows(4, 1.0);
+    session->SetInstancer("/groups", outer);
+    InstancerPrim inner;
+    inner.placement.instancerPath = "/groups";
+    inner.placement.instances = std::vector<std::int32_t>{0, 1, 3};
+    inner.instanceTransforms = rows(3, 0.3);
+    session->SetInstancer("/groups/inner", inner);
+    for (int i = 0; i < 4; ++i) {
+        GeometryPrim member;
+        member.geometry = MakeGrid(4, 0.3F);
+        member.materialPath = i % 2 == 0 ? "/red" : "";
+        const bool isInner = i < 2;
+        member.placement.instancerPath = isInner ? "/groups/inner" : "/groups";
+        member.placement.instances =
+            isInner ? std::vector<std::int32_t>{0, 2} : std::vector<std::int32_t>{0, 1, 2};
+        member.placement.worldFromObject =
+            glm::scale(Move(0.0, 0.2 * i, 0.2 * (i % 2)), glm::dvec3(0.12));
+        member.primId = 200 + i;
+        session->SetGeometry((isInner ? "/groups/inner/m" : "/groups/m") + std::to_string(i),
+                             member);
+    }
+}
+
+/// Moves, hides, shows or reshapes what groups hold, or moves, hides, shows or thins out what
+/// places them.
+void EditGroups(Session* session, std::mt19937* random) {
+    const auto below = [&](int end) { return static_cast<int>((*random)() % unsigned(end)); };
+    if (below(2) == 0) {
+        const std::string path = below(2) == 0 ? "/groups" : "/groups/inner";
+        InstancerPrim prim = session->Scene().instancers.at(path);
+        const int kind = below(3);
+        if (kind == 0) {
+            prim.placement.visible = !prim.placement.visible;
+        } else if (kind == 1) {
+            prim.placement.worldFromObject = Move(0.2 * below(8) - 2.0, 0.1 * below(5), 0.5);
+        } else if (path != "/groups") {
+            prim.placement.instances = below(2) == 0 ? std::vector<std::int32_t>{1, 2}
+                                                     : std::vector<std::int32_t>{0, 1, 3};
+        }
+        session->SetInstancer(path, prim);
+        return;
+    }
+    const int member = below(4);
+    const std::string path =
+        (member < 2 ? "/groups/inner/m" : "/groups/m") + std::to_string(member);
+    GeometryPrim prim = session->Scene().geometry.at(path);
+    const int kind = below(3);
+    if (kind == 0) {
+        prim.geometry = MakeGrid(4, 0.1F * float(1 + below(9)));
+    } else if (kind == 1) {
+        prim.placement.visible = !prim.placement.visible;
+    } else {
+        prim.placement.worldFromObject =
+            glm::scale(Move(0.1 * below(6), 0.1 * below(8), 0.0), glm::dvec3(0.12));
+    }
+    session->SetGeometry(path, prim);
+}
+
 /// A fresh one of what another has become by edits.
 void FillAs(const Session& edited, Session* session) {
+    for (const auto& [path, instancer] : edited.Scene().instancers) {
+        session->SetInstancer(path, instancer);
+    }
     for (const auto& [path, network] : edited.Scene().materials) {
         session->SetMaterial(path, network);
     }
@@ -288,6 +364,52 @@ TEST_F(PlaceEdits, OfInstancesInChunksHaveTheBitsOfFreshSessions) {
         EXPECT_TRUE(SameLayers(after, RenderOf(&other, fresh)));
         before = after;
     }
+}
+
+/// Chains of edits of all kinds in a scene with groups.
+void ExpectChainsOfGroups(const Settings& settings, unsigned int seed) {
+    constexpr int kNumMeshes = 24;
+    constexpr int kNumEdits = 12;
+    Settings fresh = settings;
+    fresh.interactive = false;
+    std::mt19937 random(seed);
+    Session edited;
+    FillWithMany(&edited, kNumMeshes);
+    AddGroups(&edited);
+    EXPECT_EQ(edited.Render(settings), RenderResult::Complete);
+    int numOthers = 0;
+    for (int i = 0; i < kNumEdits; ++i) {
+        const std::vector<ImageLayer> before = edited.Layers();
+        if (random() % 2 == 0) {
+            EditGroups(&edited, &random);
+        } else {
+            RandomEdit(&random, kNumMeshes)(edited);
+        }
+        EXPECT_EQ(edited.Render(settings), RenderResult::Complete);
+        Session other;
+        FillWithMany(&other, kNumMeshes);
+        FillAs(edited, &other);
+        EXPECT_EQ(other.Render(fresh), RenderResult::Complete);
+        EXPECT_TRUE(SameLayers(edited.Layers(), other.Layers())) << seed << " " << i;
+        numOthers += SameLayers(edited.Layers(), before) ? 0 : 1;
+    }
+    EXPECT_GT(numOthers, kNumEdits / 3) << "the others are of what is hidden";
+}
+
+TEST_F(PlaceEdits, ChainsInScenesWithGroupsHaveTheBitsOfFreshSessions) {
+    ExpectChainsOfGroups(Interactive(), 3);
+    Settings streamed = Interactive();
+    streamed.residency = "stream";
+    streamed.geometryMemory = "64K";
+    streamed.chunkBytes = 4096;
+    ExpectChainsOfGroups(streamed, 4);
+}
+
+TEST_F(PlaceEdits, ChainsInScenesWithGroupsInChunksHaveTheBitsOfFreshSessions) {
+    Settings settings = Interactive();
+    settings.instanceChunks = 1;
+    settings.traversal = "scalar";
+    ExpectChainsOfGroups(settings, 5);
 }
 
 TEST_F(PlaceEdits, AShapeIsAllThatIsLoaded) {

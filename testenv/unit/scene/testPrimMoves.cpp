@@ -372,6 +372,27 @@ TEST_F(PrimMoves, WhoCancelsLeavesAllAsItWas) {
     ExpectAsCommitted();
 }
 
+TEST_F(PrimMoves, WhatComesBackInAnotherShapeIsCountedOnce) {
+    Edit(Path(8)).placement.visible = false;
+    ASSERT_TRUE(Mend());
+    // Of as many points fewer triangles: a face without area has none.
+    GeometryPrim& prim = Edit(Path(8));
+    const auto pinched = std::make_shared<GeometryDescription>(*prim.geometry);
+    std::vector<float> points(prim.geometry->points.begin(), prim.geometry->points.end());
+    for (std::size_t corner = 1; corner < 4; ++corner) {
+        const auto [to, from] =
+            std::pair{pinched->faceVertexIndices[corner], pinched->faceVertexIndices[0]};
+        std::copy_n(points.begin() + std::ptrdiff_t{3} * from, 3,
+                    points.begin() + std::ptrdiff_t{3} * to);
+    }
+    pinched->points = std::move(points);
+    prim.geometry = pinched;
+    prim.placement.visible = true;
+    cache.reshaped.insert(Path(8));
+    EXPECT_TRUE(Mend());
+    ExpectAsCommitted();
+}
+
 TEST_F(PrimMoves, WhatIsNotDrawnMayBeMoved) {
     scene.geometry[Path(7)].purpose = "guide";
     scene.geometry[Path(8)].placement.visible = false;
