@@ -9,7 +9,7 @@ in its persistent cache. tests: an edited session dumps the text of a fresh one.
 
 import weakref
 
-from pxr import Tf, Usd, UsdGeom, UsdShade
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdShade
 
 from hdstream.translate import rereading
 from hdstream.translate.lights import LIGHT_TYPES
@@ -48,6 +48,9 @@ class StageTranslation:
             Usd.Notice.ObjectsChanged, lambda notice, _: onChanged() and onChanged()(notice), stage)
 
     def Update(self, timeCode, shutter=(0.0, 0.0), passPath=""):
+        onDirtiness = weakref.WeakMethod(self._OnDirtiness)
+        self._saveListener = Tf.Notice.RegisterGlobally(
+            Sdf.Notice.LayerDirtinessChanged, lambda _, layer: onDirtiness() and onDirtiness()(layer))
         """Brings the session up to date; returns how many prims were visited. `passPath`: of a UsdRenderPass."""
         timeCode = Usd.TimeCode(timeCode)
         changes, self._changes = self._changes, {}
@@ -61,7 +64,8 @@ class StageTranslation:
         """Keeps nothing of the stage. Nothing can be brought up to date after it. Returns layers to be kept: OpenUSD makes copies of
         mapped arrays when it closes their file, and of these the core keeps arrays as they are mapped."""
         self._listener.Revoke()
-        self._stage = self._listener = None
+        self._saveListener.Revoke()
+        self._stage = self._listener = self._saveListener = None
         return self._mappedLayers.Held()
 
     def _OnChanged(self, notice):
@@ -75,6 +79,11 @@ class StageTranslation:
 
     def _Add(self, path):
         # Metadata of a prim may be anything; that of the stage's root is its units and times.
+    def _OnDirtiness(self, layer):
+        """A layer that was saved: OpenUSD writes into crate files, of which arrays are read again, so all are read anew."""
+        if layer and not layer.dirty and self._stage and layer in self._stage.GetUsedLayers():
+            self._isStale = True
+
         if path.IsPrimPropertyPath():
             self._changes.setdefault(path.GetPrimPath(), set()).add(path.name)
         else:
