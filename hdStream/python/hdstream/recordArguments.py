@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the options of `hdstream record` ask for, checked: a job and its frames, for one process or a farm."""
 
+import math
 import os
 
 from hdstream import _core
@@ -74,8 +75,15 @@ def _CheckStatsFiles(statsFiles, others):
 
 def _FramesOfOutput(args, stage):
     outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
-    return [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
-            for timeCode in outputs.timeCodes]
+    frames = [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
+              for timeCode in outputs.timeCodes]
+    timeOf = {}
+    for frame in frames:
+        other = timeOf.setdefault(os.path.abspath(frame.file), frame.timeCode)
+        if other != frame.timeCode and not math.isnan(other):
+            raise UsageError(f"{args.output}: --frames {args.frames}: {frame.file} would hold both {other:.17g} and "
+                             f"{frame.timeCode:.17g}; say more digits after the dot of its placeholder")
+    return frames
 
 
 def _FramesOfProducts(args, stage, warn):
