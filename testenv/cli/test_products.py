@@ -249,6 +249,12 @@ def test_frames_need_names_of_their_own(tmp_path):
     AssertFails(Run("record", stage, "-rs", "/S", "--frames", "1:2"), 2, "/P", "a.exr", "####")
 
 
+def test_a_placeholder_has_no_number_at_the_default_time(tmp_path):
+    stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = </P> }\n'
+                                            'def RenderProduct "P" { token productName = "a.####.exr" }\n')
+    AssertFails(Run("record", stage, "-rs", "/S", "--defaultTime"), 2, "/P: productName a.####.exr: ", "--defaultTime")
+
+
 def test_vars_are_not_chosen_twice(tmp_path):
     AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), "--aovs", "depth"), 2, "--aovs", "OUT")
 

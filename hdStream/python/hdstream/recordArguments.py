@@ -99,10 +99,13 @@ def _FramesOfProducts(args, stage, warn):
         for picture in pictures:
             outputs = picture.OutputsAt(timeCode)
             for index, output in enumerate(outputs):
-                if "#" in output.file:
-                    names = FrameOutputs(stage, args.frames or str(timeCode), args.defaultTime, output.file)
-                    output.file = names.FileOf(timeCode)
                 path = str(picture.prims[index].GetPath())
+                if "#" in output.file:
+                    if math.isnan(timeCode):
+                        raise UsageError(f"{path}: productName {output.file}: a frame placeholder needs a frame, and "
+                                         "--defaultTime has none")
+                    names = FrameOutputs(stage, args.frames or f"{timeCode:.0f}", args.defaultTime, output.file)
+                    output.file = names.FileOf(timeCode)
                 other = productOf.setdefault(os.path.abspath(output.file), (path, timeCode))
                 if other != (path, timeCode):
                     raise UsageError(f"{path}: {output.file} is also written by {other[0]} at {other[1]:g}; a productName of "
