@@ -76,7 +76,8 @@ class StageTranslator:
         self._placedPaths = set()  # of what instancers place: all other prims have the paths that USD gives them
         self._links = Links()
         self._batch = GeometryBatch(session, self._links, self._reports.Warn)
-        self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
+        self._drawModes = drawModes.DrawModes(self, session, self._batch, self._links, self._timeCode, self._assets,
+                                             self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._pass,
                                       self._reports)
         self._volumeMaterials = {}  # path -> prim
