@@ -352,3 +352,26 @@ def test_constants_of_instances_leave_all_else_of_a_prim(primvar):
     assert len(ours) == 2 and [line for line in text if line not in ours] == without
     for part in ("light: ", "transform at ", "normals at ", "points at ", "widths at ", "doubleSided: true"):
         assert any(part in line for line in without), part
+
+
+@pytest.mark.parametrize("binding", ["rel material:binding = </Prototype/Look>", "rel skel:skeleton = </Prototype/Bones>",
+                                     "rel skel:animationSource = </Prototype/Bones/Walk>"])
+def test_instances_share_what_their_assets_bind_inside(binding):
+    """A target inside an instance is the same for all of them, though its path is another; one outside is not."""
+    body = """def Xform "Prototype" (prepend apiSchemas = ["MaterialBindingAPI", "SkelBindingAPI"]) {
+        %s
+        def Material "Look" { token outputs:surface }
+        def Skeleton "Bones" { def SkelAnimation "Walk" {} }
+        def Sphere "Ball" {}
+    }
+    def Material "Other" {}
+    """ % binding
+    name = binding.split()[1]
+    stage = StageOf(body + "".join(f'def Xform "I{i}" (instanceable = true; references = </Prototype>) {{}}\n' for i in range(4))
+                    + f'def Xform "J" (instanceable = true; references = </Prototype>) {{ rel {name} = </Other> }}')
+    scene = Translate(stage).Scene()
+    assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {"/I0": 4, "/J": 1}
+    assert sorted(scene.geometry) == ["/I0/Ball", "/J/Ball", "/Prototype/Ball"]
+    if name == "material:binding":
+        assert scene.geometry["/I0/Ball"].materialPath == "/I0/Look"
+        assert scene.geometry["/J/Ball"].materialPath == "/Other"
