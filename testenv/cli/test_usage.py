@@ -103,6 +103,12 @@ def test_frames_at_fractional_times_have_files_of_their_own(frames, name, part, 
     assert not list(tmp_path.glob("*.exr"))
 
 
+def test_statistics_of_fractional_times_have_files_of_their_own(tmp_path):
+    stats = ["--stats", tmp_path / "s.####.json"]
+    AssertFails(RunHere("record", WriteStage(tmp_path), tmp_path / "o.#.#.exr", *SMALL, "-f", "1.5:2.5", *stats), 2,
+                "s.0002.json would hold both 1.5 and 2.5")
+
+
 def test_frames_that_fit_their_names_are_recorded(tmp_path):
     from hdstream.stage import FrameOutputs, ParseFrames
     assert ParseFrames("1.50:3.50,7.0,8:9x0.250") == ([1.5, 2.5, 3.5, 7, 8, 8.25, 8.5, 8.75, 9], 2)

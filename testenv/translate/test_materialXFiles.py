@@ -439,8 +439,9 @@ def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:b
 
 def test_matrices_that_are_none_and_inputs_of_other_types_are_named(tmp_path):
     pytest.importorskip("MaterialX")
-    warnings = list(_Translate(tmp_path, _MATRICES.replace("1, 2, 3, 4, 5, 6, 7, 8, 9", "1, 2, 3")).Warnings())
-    assert any('turned/mat: "1, 2, 3" is no matrix33' in warning for warning in warnings), warnings
+    for value in ("1, 2, 3", "2", "1, 2, 3, 4, 5, 6, 7, 8, x"):
+        warnings = list(_Translate(tmp_path, _MATRICES.replace("1, 2, 3, 4, 5, 6, 7, 8, 9", value)).Warnings())
+        assert any(f'turned/mat: "{value}" is no matrix33' in warning for warning in warnings), warnings
     odd = '<input name="list" type="floatarray" value="1, 2"/><input name="base_color"'
     warnings = list(_Translate(tmp_path, _MATRICES.replace('<input name="base_color"', odd)).Warnings())
     assert [warning for warning in warnings if "looks.mtlx has Surface/list of the type floatarray, which is not read" in warning]

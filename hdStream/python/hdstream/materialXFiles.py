@@ -295,4 +295,6 @@ class _Material:
 
 def _MatrixOf(source):
     """Row by row, as MaterialX writes it and Gf takes it."""
-    return _MATRICES[source.getType()](*(float(item) for item in source.getValueString().replace(",", " ").split()))
+    matrix = _MATRICES[source.getType()]
+    items = [float(item) for item in source.getValueString().replace(",", " ").split()]
+    return matrix(*items) if len(items) == matrix.dimension[0] ** 2 else None

@@ -77,13 +77,20 @@ def _FramesOfOutput(args, stage):
     outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
     frames = [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
               for timeCode in outputs.timeCodes]
-    timeOf = {}
-    for frame in frames:
-        other = timeOf.setdefault(os.path.abspath(frame.file), frame.timeCode)
-        if other != frame.timeCode and not math.isnan(other):
-            raise UsageError(f"{args.output}: --frames {args.frames}: {frame.file} would hold both {other:.17g} and "
-                             f"{frame.timeCode:.17g}; say more digits after the dot of its placeholder")
+    _CheckOneFrameEach(args, [(frame.file, frame.timeCode) for frame in frames])
+    if args.stats and "#" in args.stats:
+        _CheckOneFrameEach(args, [(frame.statsFile, frame.timeCode) for frame in frames])
     return frames
+
+
+def _CheckOneFrameEach(args, files):
+    """Raises UsageError where two time codes have one file."""
+    timeOf = {}
+    for file, timeCode in files:
+        other = timeOf.setdefault(os.path.abspath(file), timeCode)
+        if other != timeCode and not math.isnan(other):
+            raise UsageError(f"--frames {args.frames}: {file} would hold both {other:.17g} and {timeCode:.17g}; its placeholder "
+                             "needs more digits after the dot")
 
 
 def _FramesOfProducts(args, stage, warn):
