@@ -94,6 +94,17 @@ def test_instances_that_look_otherwise_have_their_own_cards():
     assert sorted(scene.geometry) == ["/A{/A}", "/B{/B}", "/D/M"]
 
 
+def test_instances_share_cards_whatever_their_assets_bind_inside():
+    body = "".join(f'def Xform "{name}" (instanceable = true; kind = "component"; references = </P>) {{}}\n' for name in "ABC")
+    scene = Translate(StageOf(f"""class "P" ({CARDS.replace("]", ', "MaterialBindingAPI"]')}) {{
+            uniform token model:drawMode = "cards"
+            rel material:binding = </P/Look>
+            def Material "Look" {{}}
+            def Mesh "M" {{ {TRIANGLE} }} }}
+        {body}""")).Scene()
+    assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {"/A": 3}
+
+
 def test_instances_that_inherit_other_modes_are_apart():
     """The models are below the instances, which look alike but for what they hand down."""
     stage = StageOf(f"""

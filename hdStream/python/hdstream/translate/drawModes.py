@@ -16,7 +16,7 @@ from hdstream import _core
 from hdstream.translate import valueClips
 from hdstream.translate.circles import HasCircularInstancers
 from hdstream.translate.exrHeader import ReadMatrices
-from hdstream.translate.instanceArrays import InstanceGroup
+from hdstream.translate.instanceArrays import BindingsKey, InstanceGroup
 from hdstream.translate.primState import IDENTITY, Context, State
 
 ATTRIBUTE = "model:drawMode"
@@ -124,7 +124,7 @@ class DrawModes:
         look = tuple((name, repr(prim.GetAttribute(name).Get(self._timeCode))) for name in sorted(names)
                      if name.startswith("model:") or name == "extentsHint")
         key = (prim.GetPrototype().GetPath(), state.drawMode, look, state.purpose,
-               tuple(sorted(state.bindings.items())), state.ofPass, state.motion)
+               BindingsKey(state, prim.GetPath().pathString), state.ofPass, state.motion)
         group = context.standInGroups.get(key)
         if group is None:
             group = context.standInGroups[key] = InstanceGroup(prim, state)

@@ -94,6 +94,11 @@ def RelativeTo(root, path):
     return "." + path[len(root):] if path.startswith(root + "/") else path
 
 
+def BindingsKey(state, root):
+    """Equal for instances, at `root`, that inherit equal bindings of materials."""
+    return tuple(sorted((purpose, RelativeTo(root, path), strength) for purpose, (path, strength) in state.bindings.items()))
+
+
 def InheritedKey(state, root, boundPaths, isFlat):
     """Equal for instances, at `root`, whose prototypes look the same but for primvars of one value; `boundPaths` when
     collections bind. Who sees them may differ where their prototype is flat."""
@@ -101,8 +106,7 @@ def InheritedKey(state, root, boundPaths, isFlat):
         (entry.primvar.name, entry.primvar.numComponents)
         if _IsRow(entry.primvar) and (isFlat or not _core.SaysRayVisibility(entry.primvar.name)) else entry.key
         for entry in state.primvars.values()))
-    bindings = boundPaths or tuple(sorted((purpose, RelativeTo(root, path), strength)
-                                          for purpose, (path, strength) in state.bindings.items()))
+    bindings = boundPaths or BindingsKey(state, root)
     skelBindings = tuple(sorted((name, tuple(RelativeTo(root, path) for path in paths))
                                 for name, paths in state.skelBindings.items()))
     return state.purpose, state.isPurposeAuthored, primvars, bindings, skelBindings
