@@ -4,10 +4,13 @@
 
 #include <nanobind/stl/optional.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace nb = nanobind;
@@ -146,7 +149,22 @@ void BindPlaced(nb::module_& module) {
                 self.light = std::make_shared<const MeshLight>(MeshLight{light, mode, links});
             },
             "light"_a, "materialSyncMode"_a, "links"_a, "Makes the mesh a light.")
-        .def("RemoveLight", [](GeometryPrim& self) { self.light = nullptr; });
+        .def("RemoveLight", [](GeometryPrim& self) { self.light = nullptr; })
+        .def(
+            "WithConstants",
+            [](const GeometryPrim& self, const std::vector<Primvar>& constants,
+               nb::handle instances) {
+                GeometryPrim split = self; // whatever it has
+                auto geometry = std::make_shared<GeometryDescription>(*self.geometry);
+                geometry->primvars.insert(geometry->primvars.end(), constants.begin(),
+                                          constants.end());
+                split.geometry = std::move(geometry);
+                split.placement.instances =
+                    SpanFromBuffer<std::int32_t>(instances, "instances").first;
+                return split;
+            },
+            "constants"_a, "instances"_a,
+            "The prim with these primvars too, placed by these instances; it shares all arrays.");
     BindFields(geometryPrim);
 
     nb::class_<GridInMemory>(module, "VoxelGrid", "Voxels of a box, as floats.")
@@ -331,6 +349,49 @@ std::vector<std::string> PathsBelow(const SceneDescription& scene, const std::st
     return found;
 }
 
+/// Of everything that names one; resolved ones alone.
+std::set<std::string> AssetFiles(const SceneDescription& scene) {
+    std::set<std::string> files;
+    const auto add = [&](const AssetReference& asset) {
+        if (!asset.file.empty()) {
+            files.insert(asset.file);
+        }
+    };
+    const auto addOfLight = [&](const LightDescription& light) {
+        add(light.textureFile);
+        add(light.shaping.iesFile);
+    };
+    const auto addOfNode = [&](const MaterialNode& node) {
+        for (const auto& [name, value] : node.parameters) {
+            if (const auto* asset = std::get_if<AssetReference>(&value)) {
+                add(*asset);
+            }
+        }
+    };
+    for (const auto& [path, prim] : scene.lights) {
+        addOfLight(prim.light);
+        for (const LightFilter& filter : prim.filters) {
+            addOfNode(filter.node);
+        }
+    }
+    for (const auto& [path, prim] : scene.geometry) {
+        if (prim.light) {
+            addOfLight(prim.light->light);
+        }
+    }
+    for (const auto& [path, prim] : scene.volumes) {
+        for (const auto& [name, field] : prim.fields) {
+            add(field.asset);
+        }
+    }
+    for (const auto& [path, network] : scene.materials) {
+        for (const MaterialNode& node : network->nodes) {
+            addOfNode(node);
+        }
+    }
+    return files;
+}
+
 } // namespace
 
 void BindScene(nb::module_& module) {
@@ -365,6 +426,16 @@ void BindScene(nb::module_& module) {
             "Whether there is nothing to draw.")
         .def_prop_ro("hasInstancers",
                      [](const SceneDescription& self) { return !self.instancers.empty(); })
+        .def_prop_ro(
+            "hasPlacedLights",
+            [](const SceneDescription& self) {
+                return std::any_of(self.lights.begin(), self.lights.end(), [](const auto& entry) {
+                    return !entry.second.placement.instancerPath.empty();
+                });
+            },
+            "Whether an instancer places a light.")
+        .def("AssetFiles", &AssetFiles,
+             "Files that the scene reads: images, light profiles, volumes.")
         .def(
             "FindGeometry",
             [](const SceneDescription& self,

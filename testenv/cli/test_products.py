@@ -209,6 +209,26 @@ def test_resume_knows_every_file(stage, tmp_path):
     assert (tmp_path / "deep.0001.exr").exists()
 
 
+@pytest.mark.parametrize("was, edited", [
+    ('OpenEXR:compression = "zip"', 'OpenEXR:compression = "rle"'), ('dataType = "color4h"', 'dataType = "color4f"'),
+    ('aov:name = "Z"', 'aov:name = "depth"'), ('OpenEXR:shot = "a"', 'OpenEXR:shot = "b"'), ('tileSize = 8', 'tileSize = 16')])
+def test_resume_knows_what_products_say_of_their_files(was, edited, tmp_path, monkeypatch):
+    """The picture stays and its file does not."""
+    monkeypatch.chdir(tmp_path)
+    text = _BRIGHT + _PRODUCTS.replace('productName = "main.####.exr"', """productName = "main.####.exr"
+        custom string driver:parameters:OpenEXR:compression = "zip"
+        custom string driver:parameters:OpenEXR:shot = "a"
+        custom int driver:parameters:OpenEXR:tileSize = 8""").replace(
+            ", </Render/Mattes>, </Render/Side>, </Render/Deep>, </Render/Other>]", "]")
+    assert text.count(was) == 1
+    arguments = [*_SELECT, "--frames", "1", "--resume"]
+    assert RunHere("record", WriteStage(tmp_path, text), *arguments).code == 0
+    stage = WriteStage(tmp_path, text.replace(was, edited))
+    result = RunHere("record", stage, *arguments)
+    assert result.code == 0 and "is there already" not in result.out, result.text
+    assert RunHere("record", stage, *arguments).out.count("is there already") == 1
+
+
 @pytest.mark.parametrize("body, words", [
     ("", ("OUT is missing", "no render settings")),
     ('def RenderSettings "S" {}\n', ("OUT is missing", "/S has no products")),
@@ -227,6 +247,12 @@ def test_frames_need_names_of_their_own(tmp_path):
     stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = </P> }\n'
                                             'def RenderProduct "P" { token productName = "a.exr" }\n')
     AssertFails(Run("record", stage, "-rs", "/S", "--frames", "1:2"), 2, "/P", "a.exr", "####")
+
+
+def test_a_placeholder_has_no_number_at_the_default_time(tmp_path):
+    stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = </P> }\n'
+                                            'def RenderProduct "P" { token productName = "a.####.exr" }\n')
+    AssertFails(Run("record", stage, "-rs", "/S", "--defaultTime"), 2, "/P: productName a.####.exr: ", "--defaultTime")
 
 
 def test_vars_are_not_chosen_twice(tmp_path):

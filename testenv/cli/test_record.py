@@ -163,6 +163,8 @@ token prototypes = "z" }
 @pytest.mark.parametrize("attribute", [
     "int2 resolution = (2000000000, 4)", "int2 resolution = (-4, 4)", "int2 resolution = (4, 0)", "float pixelAspectRatio = nan",
     'token aspectRatioConformPolicy = "fit"', "float4 dataWindowNDC = (nan, 0, 1, 1)", "float4 dataWindowNDC = (0, 0, inf, 1)",
+    "float4 dataWindowNDC = (0, 0, 1e9, 1)", "float4 dataWindowNDC = (0, 0, 1000, 1000)", "float4 dataWindowNDC = (1e8, 0, 100000008, 1)",
+    "float4 dataWindowNDC = (0, -1e30, 1, 1)",
     "float resolution = 4", 'string resolution = "4 4"', "double3 resolution = (4, 4, 4)", "float[] pixelAspectRatio = [1]",
     "asset aspectRatioConformPolicy = @x@", "float dataWindowNDC = 1", "int2 dataWindowNDC = (0, 1)",
     'token disableDepthOfField = "no"', "float disableMotionBlur = 0.5",
@@ -173,6 +175,15 @@ def test_render_settings_of_no_use_are_told_with_their_prim(tmp_path, attribute)
     AssertFails(RunHere("record", stage, tmp_path / "o.exr", "-rs", "/Settings"), 2, f"/Settings: {name}: ")
     if name == "resolution":  # options win, whatever the prim says
         assert Run("record", stage, tmp_path / "o.exr", *SMALL, "-rs", "/Settings").code == 0
+
+
+@pytest.mark.parametrize("purposes, isTold", [('["full", ""]', False), ('["preview", ""]', True), ('["full"]', True), ("[]", True)])
+def test_purposes_of_bindings_that_are_not_read_are_told(purposes, isTold, tmp_path):
+    body = SCENE + f'def RenderSettings "Settings" {{ token[] materialBindingPurposes = {purposes}\n}}\n'
+    result = RunHere("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL, "-rs", "/Settings")
+    assert result.code == 0, result.text
+    told = [line for line in result.warnings if line.startswith("/Settings: materialBindingPurposes ")]
+    assert len(told) == isTold and len(result.warnings) == isTold, result.text
 
 
 def test_attributes_of_other_types_are_told_and_convertible_ones_count(tmp_path):

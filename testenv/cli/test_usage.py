@@ -94,6 +94,31 @@ def test_placeholder_needs_frames_and_digits(tmp_path):
     AssertFails(RunHere("record", stage, tmp_path / "o.#.#.a#.exr", *SMALL, "-f", "1:2"), 2, "placeholder")
 
 
+@pytest.mark.parametrize("frames, name, part", [
+    ("1.5:3.5", "o.####.exr", "needs a placeholder with 1 digits after the dot, as ####.#"),
+    ("1.1,1.25", "o.####.#.exr", "needs a placeholder with 2 digits"), ("2.5", "o.##.exr", "####.#"),
+    ("15e-1,25e-1", "o.####.exr", "o.0002.exr would hold both 1.5 and 2.5")])
+def test_frames_at_fractional_times_have_files_of_their_own(frames, name, part, tmp_path):
+    """They overwrote each other, with exit code 0."""
+    AssertFails(RunHere("record", WriteStage(tmp_path), tmp_path / name, *SMALL, "-f", frames), 2, part)
+    assert not list(tmp_path.glob("*.exr"))
+
+
+def test_statistics_of_fractional_times_have_files_of_their_own(tmp_path):
+    stats = ["--stats", tmp_path / "s.####.json"]
+    AssertFails(RunHere("record", WriteStage(tmp_path), tmp_path / "o.#.#.exr", *SMALL, "-f", "1.5:2.5", *stats), 2,
+                "s.0002.json would hold both 1.5 and 2.5")
+
+
+def test_frames_that_fit_their_names_are_recorded(tmp_path):
+    from hdstream.stage import FrameOutputs, ParseFrames
+    assert ParseFrames("1.50:3.50,7.0,8:9x0.250") == ([1.5, 2.5, 3.5, 7, 8, 8.25, 8.5, 8.75, 9], 2)
+    one = FrameOutputs(None, "1.5", False, "o.exr")
+    assert one.timeCodes == [1.5] and one.FileOf(1.5) == "o.exr", "a single frame needs no number"
+    result = RunHere("record", WriteStage(tmp_path), tmp_path / "o.##.#.exr", *SMALL, "-f", "1.5:2.5")
+    assert result.code == 0 and sorted(path.name for path in tmp_path.glob("*.exr")) == ["o.01.5.exr", "o.02.5.exr"], result.text
+
+
 @pytest.mark.parametrize("command", ["record", "info"])
 def test_missing_and_unreadable_stages(tmp_path, command):
     output = [tmp_path / "o.exr", *SMALL] if command == "record" else []

@@ -115,6 +115,53 @@ def test_images_count(tmp_path):
     assert not IsThere(Record(stage, output, 2))
 
 
+def test_whatever_file_a_scene_reads_counts(tmp_path):
+    """Volumes, images of light filters, profiles of lights and of mesh lights, images of lights and materials."""
+    from hdstream import Renderer
+    from hdstream.resume import KeyOf
+    names = ("volume.vdb", "filter.png", "light.ies", "meshLight.ies", "rect.png", "look.png")
+    for name in names:
+        (tmp_path / name).write_bytes(b"first")
+    body = """
+def Volume "Cloud" { rel field:density = </Cloud/Field>
+    def OpenVDBAsset "Field" { asset filePath = @volume.vdb@
+        token fieldName = "density" } }
+def RectLight "Rect" { rel light:filters = </Filter>
+    asset inputs:texture:file = @rect.png@ }
+def LightFilter "Filter" { token lightFilter:shaderId = "PxrCookieLightFilter"
+    asset inputs:map = @filter.png@ }
+def SphereLight "Lamp" (prepend apiSchemas = ["ShapingAPI"]) { asset inputs:shaping:ies:file = @light.ies@ }
+def Sphere "Tube" {}
+def Mesh "Glow" (prepend apiSchemas = ["MeshLightAPI", "ShapingAPI", "MaterialBindingAPI"]) {
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    asset inputs:shaping:ies:file = @meshLight.ies@
+    rel material:binding = </Look> }
+def Material "Look" { token outputs:surface.connect = </Look/Surface.outputs:surface>
+    def Shader "Surface" { uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </Look/Image.outputs:rgb>
+        token outputs:surface }
+    def Shader "Image" { uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @look.png@
+        float3 outputs:rgb } }
+"""
+    stage = WriteStage(tmp_path, ANIMATED + body)
+
+    def Key():
+        renderer = Renderer(str(stage), onWarning=lambda line: None)
+        renderer.Prepare(imageWidth=8)
+        assert renderer.AssetFiles() == sorted(str(tmp_path / name) for name in names)
+        return KeyOf(renderer, AssetHashes())
+
+    keys = [Key(), Key()]
+    assert keys[0] == keys[1]
+    for name in names:
+        (tmp_path / name).write_bytes(b"second")
+        keys.append(Key())
+    assert len(set(keys)) == 1 + len(names)
+
+
 @pytest.mark.parametrize("first", [5, 16, 40])
 def test_partial_frames_go_on_to_the_bits_of_one_render(first, stage, tmp_path):
     whole, output = tmp_path / "whole.exr", tmp_path / "o.exr"

@@ -172,3 +172,64 @@ def test_settings_prims_and_other_prims_translate_nothing_or_all(tmp_path):
     Pixel(stage)
     assert translation.Update(1.0) == 0
     assert translation.Update(2.0) > 0, "another time code"
+
+
+_MESH = """def Mesh "Mesh" { int[] faceVertexCounts = [3]
+int[] faceVertexIndices = [0, 1, 2]
+point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+"""
+_BOUNDS = 'kind = "component"; prepend apiSchemas = ["GeomModelAPI"]'
+
+
+_INACTIVE = _MESH.replace('"Mesh" {', '"Mesh" (active = false) {')
+
+
+@pytest.mark.parametrize("text", [
+    f'class Xform "Model" {{ {_MESH} }} }}\ndef Xform "Heir" (inherits = </Model>) {{}}', f'over Xform "Model" {{ {_MESH} }} }}',
+    f'def Xform "Model" {{ {_INACTIVE} }} }}',
+    f'def Xform "Model" ({_BOUNDS}) {{ uniform token model:drawMode = "bounds"\n{_MESH} }} }}',
+    f'def Xform "Model" ({_BOUNDS}) {{ uniform token model:drawMode = "cards"\n{_MESH} }} }}'],
+    ids=["class", "over", "inactive", "bounds", "cards"])
+def test_edits_of_what_is_not_drawn_draw_nothing(text, tmp_path):
+    """Below classes and overs, inactive prims and models that something stands in for, whose bounds follow."""
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + text)))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    stage.GetAttributeAtPath("/Model/Mesh.points").Set([(0, 0, 0), (3, 0, 0), (0, 1, 2)])
+    translation.Update(1.0)
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert session.Dump() == fresh.Dump()
+
+
+def test_lights_that_an_instancer_places_follow_the_light(tmp_path):
+    many = """def PointInstancer "Many" { rel prototypes = </Lamp>
+int[] protoIndices = [0, 0]
+point3f[] positions = [(0, 0, 0), (2, 0, 0)]
+}
+"""
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + many)))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    assert len(session.Scene().lights) == 2
+    stage.GetAttributeAtPath("/Lamp.inputs:intensity").Set(7.0)
+    translation.Update(1.0)
+    assert [prim.light.intensity for prim in session.Scene().lights.values()] == [7, 7]
+
+
+def test_a_gprim_below_a_gprim_keeps_what_it_inherits(tmp_path):
+    above = """def Mesh "Above" (prepend apiSchemas = ["MaterialBindingAPI"]) { int[] faceVertexCounts = [3]
+int[] faceVertexIndices = [0, 1, 2]
+point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+color3f[] primvars:displayColor = [(1, 0, 0)]
+rel material:binding = </World/Looks/Red>
+""" + _MESH + "} }\n"
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + above)))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    stage.GetAttributeAtPath("/Above/Mesh.points").Set([(0, 0, 0), (3, 0, 0), (0, 1, 2)])
+    assert translation.Update(1.0) == 1
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert session.Dump() == fresh.Dump()
+    assert session.Scene().geometry["/Above/Mesh"].materialPath == "/World/Looks/Red"

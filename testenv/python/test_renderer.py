@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, Vt
+from pxr import Gf, Usd, UsdGeom, Vt
 
 from cliCase import SCENE, Run, WriteStage
 
@@ -354,3 +354,33 @@ def test_purposes_of_the_render_settings_prim_are_checked(tmp_path, authored, pu
     renderer.Prepare(renderSettingsPrimPath="/Render")
     assert renderer.settings["purposes"] == purposes
     assert lines == ([f"/Render: {warning}"] if warning else [])
+
+
+@pytest.mark.parametrize("extension", ["usdc", "usda"])
+def test_a_stage_may_be_saved_between_renders(extension, tmp_path):
+    """OpenUSD writes into crate files, whose large arrays are read again where the camera comes near: nothing was rendered."""
+    import hdstream
+    path = tmp_path / f"scene.{extension}"
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, SCENE)))
+    side = 120
+    rows, columns = np.mgrid[:side, :side].astype(np.float32)
+    points = np.stack([columns / side - 0.5, rows / side - 0.5, np.sin(rows * columns) / 30], 2).reshape(-1, 3).astype(np.float32)
+    corner = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    mesh = UsdGeom.Mesh.Define(stage, "/Mesh")
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(corner), 4, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(
+        np.stack([corner, corner + 1, corner + side + 1, corner + side], 1).astype(np.int32).ravel()))
+    stage.Export(str(path))
+    del stage, mesh
+    small = {**SMALL, "samples": 1}
+    renderer = hdstream.Renderer(str(path))
+    first = renderer.Render(**small)
+    renderer.stage.GetAttributeAtPath("/main_cam.xformOp:translate").Set(Gf.Vec3d(0, 0, 4))
+    renderer.Render(**small)
+    for z in (2, 1.5):
+        renderer.stage.GetAttributeAtPath("/main_cam.xformOp:translate").Set(Gf.Vec3d(0, 0, z))
+        renderer.stage.Save()
+        saved = renderer.Render(**small)
+        assert not Same(first, saved) and Same(saved, hdstream.Renderer(str(path)).Render(**small))
+    assert Same(saved, renderer.Render(**small))

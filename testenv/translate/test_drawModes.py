@@ -94,6 +94,17 @@ def test_instances_that_look_otherwise_have_their_own_cards():
     assert sorted(scene.geometry) == ["/A{/A}", "/B{/B}", "/D/M"]
 
 
+def test_instances_share_cards_whatever_their_assets_bind_inside():
+    body = "".join(f'def Xform "{name}" (instanceable = true; kind = "component"; references = </P>) {{}}\n' for name in "ABC")
+    scene = Translate(StageOf(f"""class "P" ({CARDS.replace("]", ', "MaterialBindingAPI"]')}) {{
+            uniform token model:drawMode = "cards"
+            rel material:binding = </P/Look>
+            def Material "Look" {{}}
+            def Mesh "M" {{ {TRIANGLE} }} }}
+        {body}""")).Scene()
+    assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {"/A": 3}
+
+
 def test_instances_that_inherit_other_modes_are_apart():
     """The models are below the instances, which look alike but for what they hand down."""
     stage = StageOf(f"""
@@ -173,3 +184,42 @@ def test_cut_off_images_have_no_matrices(tmp_path):
     assert ReadMatrices(_core.AssetReference("", f"{tmp_path}/pipe.exr")) == {}
     path.write_bytes(b"in a package" + whole)
     assert ReadMatrices(_core.AssetReference("", str(path), 12, len(whole))) == expected
+
+
+@pytest.mark.parametrize("mode", ["default", "cards", "bounds"])
+@pytest.mark.parametrize("isInstanced", [False, True])
+def test_stand_ins_are_linked_as_their_models(mode, isInstanced):
+    instanceable = "instanceable = true; references = </P>" if isInstanced else "references = </P>"
+    body = "".join(f"""def Xform "{name}" ({instanceable}; kind = "component"; {CARDS}) {{
+        uniform token model:drawMode = "{mode}" }}
+        """ for name in "ABC")
+    scene = Translate(StageOf(f"""class "P" {{ def Mesh "M" {{ {TRIANGLE} }} }}
+        {body}
+        def SphereLight "L" (prepend apiSchemas = ["CollectionAPI:lightLink"]) {{
+            uniform bool collection:lightLink:includeRoot = 0
+            rel collection:lightLink:includes = [</A>, </C>]
+        }}""")).Scene()
+    assert {path.split("{")[0].split("/")[1]: prim.categories for path, prim in scene.geometry.items()} == (
+        {"A": {"/L.collection:lightLink"}, "B": set()} if isInstanced
+        else {"A": {"/L.collection:lightLink"}, "B": set(), "C": {"/L.collection:lightLink"}})
+    if isInstanced:
+        assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {"/A": 2, "/B": 1}
+
+
+def test_instanced_stand_ins_move_as_their_models():
+    moving = """double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 2: (5, 0, 0) }
+        uniform token[] xformOpOrder = ["xformOp:translate"]"""
+    def SamplesIn(mode):
+        stage = StageOf(f"""class "P" {{ def Mesh "M" {{ {TRIANGLE} }} }}
+            def Xform "A" (instanceable = true; references = </P>; kind = "component"; {CARDS}) {{
+                uniform token model:drawMode = "{mode}"
+                {moving} }}
+            def Xform "B" (instanceable = true; references = </P>; kind = "component"; {CARDS}) {{
+                uniform token model:drawMode = "{mode}" }}
+            def Camera "Camera" {{ double shutter:open = -0.5; double shutter:close = 0.5 }}""")
+        (instancer,) = Translate(stage, 1.0).Scene().instancers.values()
+        return [(time, np.asarray(matrices).reshape(2, 4, 4)[:, 3, 0].tolist()) for time, matrices in instancer.samples]
+
+    found = SamplesIn("cards")
+    assert found[0] == (-0.5, [1.25, 0]) and found[-1] == (0.5, [3.75, 0])
+    assert found == SamplesIn("bounds") == SamplesIn("default")

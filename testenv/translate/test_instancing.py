@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from translateCase import Translate
+from translateCase import StageOf, Translate
 
 TIME = Usd.TimeCode(3.0)
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -308,3 +308,70 @@ def test_arrays_that_do_not_match_are_refused(authored):
     else:
         instancer.CreateOrientationsAttr(Vt.QuathArray(3, Gf.Quath(1)))
     assert not Translate(stage).Scene().instancers
+
+
+_PLACED = """
+def PointInstancer "Many" {
+    rel prototypes = [</Many/Prototype>]
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0), (2, 0, 0)]
+    %s
+    def Xform "Prototype" {
+        def Mesh "Lamp" (prepend apiSchemas = ["MeshLightAPI"]) {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+            normal3f[] normals.timeSamples = { 0: [(0, 0, 1), (0, 0, 1), (0, 0, 1)], 2: [(1, 0, 0), (1, 0, 0), (1, 0, 0)] }
+            uniform token subdivisionScheme = "none"
+            uniform bool doubleSided = true
+            double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 2: (5, 0, 0) }
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+            float inputs:intensity = 7
+        }
+        def BasisCurves "Line" {
+            uniform token type = "linear"
+            int[] curveVertexCounts = [2]
+            point3f[] points.timeSamples = { 0: [(0, 0, 0), (1, 0, 0)], 2: [(0, 1, 0), (1, 2, 0)] }
+            float[] widths.timeSamples = { 0: [0.1, 0.1], 2: [0.5, 0.5] }
+        }
+    }
+}
+def Camera "Camera" { double shutter:open = -0.5; double shutter:close = 0.5 }
+"""
+
+
+@pytest.mark.parametrize("primvar", [
+    'color3f[] primvars:displayColor = [(1, 0, 0), (1, 0, 0)] (interpolation = "vertex")',
+    'float[] primvars:hdstream:id = [3, 3] (interpolation = "vertex")'])
+def test_constants_of_instances_leave_all_else_of_a_prim(primvar):
+    """Light, motion, samples of normals and widths: whatever the scene has without the primvar."""
+    without = Translate(StageOf(_PLACED % ""), 1.0).Dump().splitlines()
+    text = Translate(StageOf(_PLACED % primvar), 1.0).Dump().splitlines()
+    name = primvar.split("primvars:")[1].split()[0]
+    ours = [line for line in text if f"primvar {name}: constant" in line]
+    assert len(ours) == 2 and [line for line in text if line not in ours] == without
+    for part in ("light: ", "transform at ", "normals at ", "points at ", "widths at ", "doubleSided: true"):
+        assert any(part in line for line in without), part
+
+
+@pytest.mark.parametrize("binding", ["rel material:binding = </Prototype/Look>", "rel skel:skeleton = </Prototype/Bones>",
+                                     "rel skel:animationSource = </Prototype/Bones/Walk>"])
+def test_instances_share_what_their_assets_bind_inside(binding):
+    """A target inside an instance is the same for all of them, though its path is another; one outside is not."""
+    body = """def Xform "Prototype" (prepend apiSchemas = ["MaterialBindingAPI", "SkelBindingAPI"]) {
+        %s
+        def Material "Look" { token outputs:surface }
+        def Skeleton "Bones" { def SkelAnimation "Walk" {} }
+        def Sphere "Ball" {}
+    }
+    def Material "Other" {}
+    """ % binding
+    name = binding.split()[1]
+    stage = StageOf(body + "".join(f'def Xform "I{i}" (instanceable = true; references = </Prototype>) {{}}\n' for i in range(4))
+                    + f'def Xform "J" (instanceable = true; references = </Prototype>) {{ rel {name} = </Other> }}')
+    scene = Translate(stage).Scene()
+    assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {"/I0": 4, "/J": 1}
+    assert sorted(scene.geometry) == ["/I0/Ball", "/J/Ball", "/Prototype/Ball"]
+    if name == "material:binding":
+        assert scene.geometry["/I0/Ball"].materialPath == "/I0/Look"
+        assert scene.geometry["/J/Ball"].materialPath == "/Other"

@@ -383,3 +383,66 @@ def test_included_files_that_cannot_be_read_are_named(text, line, tmp_path):
         (tmp_path / "sub" / "defs.mtlx").write_text(text)
     warnings = list(_Translate(tmp_path, _Including("sub/defs.mtlx")).Warnings())
     assert any("looks.mtlx cannot be read" in warning and line in warning for warning in warnings), warnings
+
+
+_MATRICES = """<?xml version="1.0"?>
+<materialx version="1.38">
+  <position name="place" type="vector3"/>
+  <transformmatrix name="wide" type="vector3">
+    <input name="in" type="vector3" nodename="place"/>
+    <input name="mat" type="matrix44" value="2, 0, 0, 0,  0, 3, 0, 0,  0, 0, 4, 0,  5, 6, 7, 1"/>
+  </transformmatrix>
+  <transformmatrix name="turned" type="vector3">
+    <input name="in" type="vector3" nodename="wide"/>
+    <input name="mat" type="matrix33" value="1, 2, 3, 4, 5, 6, 7, 8, 9"/>
+  </transformmatrix>
+  <convert name="color" type="color3"><input name="in" type="vector3" nodename="turned"/></convert>
+  <standard_surface name="Surface" type="surfaceshader">
+    <input name="base_color" type="color3" nodename="color"/>
+  </standard_surface>
+  <surfacematerial name="Wood" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="Surface"/>
+  </surfacematerial>
+</materialx>
+"""
+
+
+def test_matrices_are_those_of_prims_with_the_same_values(tmp_path):
+    """The oracle is UsdShade: an input of a shader prim of type matrix4d or matrix3d, whose rows USD writes in brackets."""
+    pytest.importorskip("MaterialX")
+    session = _Translate(tmp_path, _MATRICES)
+    found = {node.path.rpartition("/")[2]: node.parameters.get("mat") for node in session.Scene().materials["/Looks/Wood"].nodes}
+    stage = """#usda 1.0
+def Material "Looks" {
+    token outputs:mtlx:surface.connect = </Looks/Surface.outputs:out>
+    def Shader "Surface" { uniform token info:id = "ND_standard_surface_surfaceshader"
+        color3f inputs:base_color.connect = </Looks/color.outputs:out>
+        token outputs:out }
+    def Shader "color" { uniform token info:id = "ND_convert_vector3_color3"
+        vector3f inputs:in.connect = </Looks/turned.outputs:out>
+        color3f outputs:out }
+    def Shader "turned" { uniform token info:id = "ND_transformmatrix_vector3"
+        vector3f inputs:in.connect = </Looks/wide.outputs:out>
+        matrix3d inputs:mat = ((1, 2, 3), (4, 5, 6), (7, 8, 9))
+        vector3f outputs:out }
+    def Shader "wide" { uniform token info:id = "ND_transformmatrix_vector3M4"
+        matrix4d inputs:mat = ((2, 0, 0, 0), (0, 3, 0, 0), (0, 0, 4, 0), (5, 6, 7, 1))
+        vector3f outputs:out }
+}
+def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </Looks> }
+""".replace("}", "\n}\n")
+    reference = _Translate(tmp_path, _MATRICES, stage)
+    expected = {node.path.rpartition("/")[2]: node.parameters.get("mat") for node in reference.Scene().materials["/Looks"].nodes}
+    assert found["wide"] == expected["wide"] is not None and found["turned"] == expected["turned"] is not None
+    assert not session.Warnings()
+
+
+def test_matrices_that_are_none_and_inputs_of_other_types_are_named(tmp_path):
+    pytest.importorskip("MaterialX")
+    for value in ("1, 2, 3", "2", "1, 2, 3, 4, 5, 6, 7, 8, x"):
+        warnings = list(_Translate(tmp_path, _MATRICES.replace("1, 2, 3, 4, 5, 6, 7, 8, 9", value)).Warnings())
+        assert any(f'turned/mat: "{value}" is no matrix33' in warning for warning in warnings), warnings
+    odd = '<input name="list" type="floatarray" value="1, 2"/><input name="base_color"'
+    warnings = list(_Translate(tmp_path, _MATRICES.replace('<input name="base_color"', odd)).Warnings())
+    assert [warning for warning in warnings if "looks.mtlx has Surface/list of the type floatarray, which is not read" in warning]
+    assert len(warnings) == 1

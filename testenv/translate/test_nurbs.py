@@ -3,6 +3,7 @@
 their basis functions (Cox 1972, de Boor 1972), written apart from the implementation."""
 
 import functools
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -182,6 +183,52 @@ def test_patches_are_those_of_the_definition():
         assert mesh.points[index] == pytest.approx(values @ points / values.sum(), abs=1e-6)
     heights = {primvar.name: primvar for primvar in mesh.primvars}["h"].values
     assert heights.ravel() == pytest.approx(mesh.points[:, 0], abs=1e-6)
+
+
+@pytest.mark.parametrize("isRational", [False, True])
+@pytest.mark.parametrize("schema", ["NurbsPatch", "NurbsCurves"])
+def test_memory_is_that_of_what_is_drawn(schema, isRational):
+    """A matrix from all points to all of the grid, or of the pieces, has 130 MB here and 8 GB at 64 x 64 points."""
+    side = 24 if schema == "NurbsPatch" else 1500
+    random = np.random.default_rng(3)
+    knots = np.concatenate([[0] * 3, np.arange(side - 2), [side - 3] * 3]).astype(float)
+    numPoints = side * side if schema == "NurbsPatch" else side
+    points = random.random((numPoints, 3)).astype(np.float32)
+    weights = random.uniform(0.5, 2, numPoints) if isRational else np.ones(numPoints)
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/P", schema)
+    prim.GetAttribute("points").Set(Vt.Vec3fArray.FromNumpy(points))
+    if isRational:
+        prim.GetAttribute("pointWeights").Set(Vt.DoubleArray(weights.tolist()))
+    if schema == "NurbsPatch":
+        for axis in "uv":
+            prim.GetAttribute(f"{axis}VertexCount").Set(side)
+            prim.GetAttribute(f"{axis}Order").Set(4)
+            prim.GetAttribute(f"{axis}Knots").Set(Vt.DoubleArray(knots.tolist()))
+    else:
+        prim.GetAttribute("curveVertexCounts").Set([side])
+        prim.GetAttribute("order").Set([4])
+        prim.GetAttribute("knots").Set(Vt.DoubleArray(knots.tolist()))
+    tracemalloc.start()
+    try:
+        geometry = Translate(stage).Scene().geometry["/P"].geometry
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 30e6
+    # A point in the middle, of few others: basis functions of others are 0 there.
+    at = side // 2 + 0.125
+    values = np.array([_Basis(knots, i, 4, at) if abs(i - at) < 6 else 0.0 for i in range(side)])
+    if schema == "NurbsPatch":
+        numAlong = 8 * (side - 3) + 1
+        index = round(8 * at)
+        values = np.outer(values, values).ravel() * weights
+        assert geometry.points[index * numAlong + index] == pytest.approx(values @ points / values.sum(), abs=1e-5)
+    else:
+        values = values * weights
+        piece, part = divmod(at, 1 / 16 if isRational else 1)
+        assert _Bezier(geometry.points[3 * int(piece):][:4].astype(float), [part])[0] == pytest.approx(
+            values @ points / values.sum(), abs=1e-5)
 
 
 def test_what_is_no_nurbs_is_named():

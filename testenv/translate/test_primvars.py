@@ -92,3 +92,29 @@ def test_arrays_without_values_are_no_primvars():
             float4[] primvars:four = [(1, 2, 3, 4)] (interpolation = "constant")
         }"""))
     assert [primvar.name for primvar in session.Scene().geometry["/S"].geometry.primvars] == ["four"]
+
+
+@pytest.mark.parametrize("above", ["Mesh", "Points", "Sphere", "BasisCurves"])
+def test_gprims_below_gprims_inherit_as_usd_finds(above):
+    """Discouraged, but the text of FindPrimvarsWithInheritance has no exception for gprims."""
+    stage = StageOf(f"""def {above} "A" {{
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        int[] faceVertexCounts = [3]
+        int[] curveVertexCounts = [3]
+        uniform token type = "linear"
+        int[] faceVertexIndices = [0, 1, 2]
+        color3f[] primvars:displayColor = [(1, 0, 0)]
+        float[] primvars:perPoint = [1, 2, 3] (interpolation = "vertex")
+        float primvars:own = 1
+        def Xform "Group" {{ def Mesh "B" {{
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            float primvars:own = 2
+        }} }}
+    }}""")
+    session = Translate(stage)
+    found = {primvar.name: primvar.values.ravel().tolist() for primvar in session.Scene().geometry["/A/Group/B"].geometry.primvars}
+    expected = {primvar.GetPrimvarName(): np.ravel(primvar.Get()).tolist() for primvar in UsdGeom.PrimvarsAPI(
+        stage.GetPrimAtPath("/A/Group/B")).FindPrimvarsWithInheritance()}
+    assert found == expected and found == {"displayColor": [1, 0, 0], "own": [2]}

@@ -2,6 +2,7 @@
 """Frames of one stage written to files: what `hdstream record` does here and what a farm's workers do."""
 
 import dataclasses
+import hashlib
 import json
 import os
 from typing import Any, Dict, Optional, Tuple
@@ -87,9 +88,9 @@ class FrameWriter:
         self._SaveSums(frame, image)  # before the picture: one that is whole has its sums
         if image.samples == 0:
             return False
-        texts = TextsOf(self._key, done) if self._job.resumes else {}
         outputs = self._OutputsOf(frame)
         for output in outputs:
+            texts = TextsOf(self._KeyOfFile(output), done) if self._job.resumes else {}
             left = self._Write(image, output, output.file, texts)
             if left:
                 self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
@@ -130,12 +131,17 @@ class FrameWriter:
         isDisplay = extension in (".png", ".jpg", ".jpeg")
         return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
 
+    def _KeyOfFile(self, output):
+        """Of the header: the picture's key and what the file alone says, such as names of layers and their format."""
+        own = repr((self._key, output.layers, sorted(output.texts.items()), output.tileSize, output.isDeep))
+        return hashlib.blake2b(own.encode(), digest_size=16).hexdigest()
+
     def _SamplesOf(self, output, mainFile):
         """Samples of the picture that is there; 0: it is another one, or cannot be read to its end. Sums lie beside the main
         file. Deep files have none, and are taken for whole where their header is there."""
         file = output.file
         if os.path.splitext(file)[1].lower() == ".exr":
-            samples = SamplesInFile(file, self._key)
+            samples = SamplesInFile(file, self._KeyOfFile(output))
         else:
             kept, _ = filmSums.Load(filmSums.FileOf(mainFile), self._key)
             samples = kept.endSample if kept else 0

@@ -151,7 +151,10 @@ class Framing:
         if right <= left or bottom <= top:
             self._session.Warn(self._renderSettings.path, "dataWindowNDC holds no pixel; ignored")
             return
-        _SetWindow((left, top, right, bottom), settings)
+        try:
+            _SetWindow((left, top, right, bottom), settings)
+        except (CommandError, _core.UsageError) as error:
+            raise UsageError(f"{self._renderSettings.dataWindowPath}: dataWindowNDC: {OneLine(error)}") from None
 
 
 def _Crop(crop, settings):
@@ -170,8 +173,12 @@ def _SetWindow(window, settings):
         settings.displayWindow = [0.0, 0.0, float(settings.imageWidth), float(settings.imageHeight)]
     left, top, right, bottom = window
     x, y = settings.dataWindowMin
-    settings.dataWindowMin = [x + left, y + top]
-    settings.imageWidth, settings.imageHeight = right - left, bottom - top
+    for name, size in (("imageWidth", right - left), ("imageHeight", bottom - top)):
+        _SetSetting(settings, name, size)
+    try:
+        settings.dataWindowMin = [x + left, y + top]
+    except TypeError:
+        raise UsageError(f"pixel ({x + left}, {y + top}) is too far from the image") from None
 
 
 @dataclasses.dataclass(frozen=True)

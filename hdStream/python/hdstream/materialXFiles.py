@@ -17,11 +17,13 @@ _TYPES = {
     "color3": Sdf.ValueTypeNames.Color3f, "color4": Sdf.ValueTypeNames.Color4f,
     "vector2": Sdf.ValueTypeNames.Float2, "vector3": Sdf.ValueTypeNames.Vector3f,
     "vector4": Sdf.ValueTypeNames.Float4,
+    "matrix33": Sdf.ValueTypeNames.Matrix3d, "matrix44": Sdf.ValueTypeNames.Matrix4d,
     # What has no value, and is connected only.
     "BSDF": Sdf.ValueTypeNames.Token, "EDF": Sdf.ValueTypeNames.Token, "VDF": Sdf.ValueTypeNames.Token,
     "surfaceshader": Sdf.ValueTypeNames.Token,
 }
 _VECTORS = {"color3": Gf.Vec3f, "color4": Gf.Vec4f, "vector2": Gf.Vec2f, "vector3": Gf.Vec3f, "vector4": Gf.Vec4f}
+_MATRICES = {"matrix33": Gf.Matrix3d, "matrix44": Gf.Matrix4d}
 _COLORS = ("color3", "color4")
 _FALLBACK_SPACES = ("lin_rec709", "lin_rec709_scene")  # USD's, which goes without saying
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
@@ -45,8 +47,9 @@ def ReplaceFiles(stage):
         path = layer.ComputeAbsolutePath(file)
         try:
             if path not in read:
-                _layers[path] = _ReadLayer(path, definitions)
+                _layers[path], left = _ReadLayer(path, definitions)
                 read.add(path)
+                problems += [(file, problem) for problem in left]
             updates.append((layer, dependency, _layers[path].identifier))
         except Exception as error:  # MaterialX's own errors have no common base
             problems.append((file, f"cannot be read: {_LineOf(error)}"))
@@ -132,6 +135,7 @@ def _StudioDefinitions():
 
 
 def _ReadLayer(path, studio=()):
+    """(layer, what is said and not read)"""
     import MaterialX as mx
     document = _ReadDocument(path)
     materials = document.getMaterialNodes()  # without the studio's
@@ -145,9 +149,10 @@ def _ReadLayer(path, studio=()):
     stage = Usd.Stage.Open(layer)
     stage.SetDefaultPrim(stage.DefinePrim("/MaterialX"))
     stage.DefinePrim("/MaterialX/Materials")
+    left = {}  # in order, each once: materials may share nodes
     for material in materials:
-        _Material(stage, material, mx).Write()
-    return layer
+        _Material(stage, material, mx, left).Write()
+    return layer, list(left)
 
 
 class _Call:
@@ -166,8 +171,9 @@ class _Material:
     Nodes that the file defines itself by node graphs are written as the nodes of those, as OpenUSD's own plug-in does.
     """
 
-    def __init__(self, stage, node, mx):
-        self._stage, self._node, self._mx = stage, node, mx
+    def __init__(self, stage, node, mx, left):
+        """`left`: a dict, which gets what is said and not read as keys."""
+        self._stage, self._node, self._mx, self._left = stage, node, mx, left
         self._path = f"/MaterialX/Materials/{Tf.MakeValidIdentifier(node.getName())}"
         self._shaders = {}
 
@@ -199,8 +205,12 @@ class _Material:
 
     def _WriteInput(self, shader, source, call):
         name, kind = source.getName(), _TYPES.get(source.getType())
-        found = None if kind is None else self._Follow(source, call)
+        found = self._Follow(source, call)
         if found is None:
+            return
+        if kind is None:
+            if isinstance(found[0], self._mx.Node) or found[0].hasValueString():
+                self._left[f"has {source.getNamePath()} of the type {source.getType()}, which is not read"] = True
             return
         origin, output, call = found
         if isinstance(origin, self._mx.Node):
@@ -272,7 +282,7 @@ class _Material:
                 target.GetAttr().SetColorSpace(space)
             return
         try:
-            value = source.getValue()
+            value = _MatrixOf(source) if kind in _MATRICES else source.getValue()
         except Exception:  # MaterialX's own errors have no common base
             value = None
         if value is None:
@@ -281,3 +291,10 @@ class _Material:
         if space and space not in _FALLBACK_SPACES:
             target.GetAttr().SetColorSpace(space)
         target.Set(_VECTORS[kind](*(value[i] for i in range(_VECTORS[kind].dimension))) if kind in _VECTORS else value)
+
+
+def _MatrixOf(source):
+    """Row by row, as MaterialX writes it and Gf takes it."""
+    matrix = _MATRICES[source.getType()]
+    items = [float(item) for item in source.getValueString().replace(",", " ").split()]
+    return matrix(*items) if len(items) == matrix.dimension[0] ** 2 else None

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the options of `hdstream record` ask for, checked: a job and its frames, for one process or a farm."""
 
+import math
 import os
 
 from hdstream import _core
@@ -83,8 +84,22 @@ def _CheckStatsFiles(statsFiles, others):
 
 def _FramesOfOutput(args, stage):
     outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
-    return [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
-            for timeCode in outputs.timeCodes]
+    frames = [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
+              for timeCode in outputs.timeCodes]
+    _CheckOneFrameEach(args, [(frame.file, frame.timeCode) for frame in frames])
+    if args.stats and "#" in args.stats:
+        _CheckOneFrameEach(args, [(frame.statsFile, frame.timeCode) for frame in frames])
+    return frames
+
+
+def _CheckOneFrameEach(args, files):
+    """Raises UsageError where two time codes have one file."""
+    timeOf = {}
+    for file, timeCode in files:
+        other = timeOf.setdefault(os.path.abspath(file), timeCode)
+        if other != timeCode and not math.isnan(other):
+            raise UsageError(f"--frames {args.frames}: {file} would hold both {other:.17g} and {timeCode:.17g}; its placeholder "
+                             "needs more digits after the dot")
 
 
 def _FramesOfProducts(args, stage, warn):
@@ -100,10 +115,13 @@ def _FramesOfProducts(args, stage, warn):
         for picture in pictures:
             outputs = picture.OutputsAt(timeCode)
             for index, output in enumerate(outputs):
-                if "#" in output.file:
-                    names = FrameOutputs(stage, args.frames or str(timeCode), args.defaultTime, output.file)
-                    output.file = names.FileOf(timeCode)
                 path = str(picture.prims[index].GetPath())
+                if "#" in output.file:
+                    if math.isnan(timeCode):
+                        raise UsageError(f"{path}: productName {output.file}: a frame placeholder needs a frame, and "
+                                         "--defaultTime has none")
+                    names = FrameOutputs(stage, args.frames or f"{timeCode:.0f}", args.defaultTime, output.file)
+                    output.file = names.FileOf(timeCode)
                 other = productOf.setdefault(os.path.abspath(output.file), (path, timeCode))
                 if other != (path, timeCode):
                     raise UsageError(f"{path}: {output.file} is also written by {other[0]} at {other[1]:g}; a productName of "

@@ -14,6 +14,7 @@ from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 from hdstream.options import PURPOSES
+from hdstream.translate.materials import BINDING_PURPOSE
 from hdstream.typedValues import TypedValue
 
 NAMESPACE = "hdstream:"
@@ -32,6 +33,7 @@ class RenderSettings:
         self.pixelAspectRatio = None
         self.conformPolicy = None
         self.dataWindowNDC = None  # (left, bottom, right, top) of the resolution, y up
+        self.dataWindowPath = ""   # of the prim that says it
         self.purposes = None
         self.disableDepthOfField = False
         self.disableMotionBlur = False
@@ -72,6 +74,7 @@ def ReadRenderSettings(stage, path, session, productPath=None):
         for product in products[1:]:
             session.Warn(product.GetPath().pathString, "not rendered: without OUT all products of the render settings are")
     _ReadPurposes(prim, settings, session)
+    _WarnOfBindingPurposes(prim, session)
     _ReadColorSpace(prim, settings, session)
     _ReadNamespace(prim, settings, session)
     return settings
@@ -133,7 +136,9 @@ def _ReadCommon(prim, settings, session):
         settings.resolutionProblem = f"{prim.GetPath()}: resolution: {error}"
     settings.pixelAspectRatio = Authored("pixelAspectRatio") or settings.pixelAspectRatio
     settings.conformPolicy = Authored("aspectRatioConformPolicy") or settings.conformPolicy
-    settings.dataWindowNDC = Authored("dataWindowNDC") or settings.dataWindowNDC
+    dataWindow = Authored("dataWindowNDC")
+    if dataWindow:
+        settings.dataWindowNDC, settings.dataWindowPath = dataWindow, prim.GetPath().pathString
     isDisabled = Authored("disableDepthOfField")
     if isDisabled is not None:
         settings.disableDepthOfField = isDisabled
@@ -211,6 +216,19 @@ def _ReadPurposes(prim, settings, session):
     for purpose in purposes:
         if purpose not in PURPOSES:
             session.Warn(settings.path, f"includedPurposes: {purpose!r} is none of {', '.join(PURPOSES)}; ignored")
+
+
+def _WarnOfBindingPurposes(prim, session):
+    """materialBindingPurposes: bindings are always those of its fallback."""
+    attribute = prim.GetAttribute("materialBindingPurposes")
+    if not attribute.HasAuthoredValue():
+        return
+    purposes = attribute.Get()
+    isList = isinstance(purposes, (Vt.TokenArray, Vt.StringArray))
+    if not isList or list(purposes) != [BINDING_PURPOSE, ""]:
+        said = list(purposes) if isList else purposes
+        session.Warn(prim.GetPath().pathString, f"materialBindingPurposes {said!r} is not read: bindings of the purpose "
+                     f"{BINDING_PURPOSE} count, and those of all purposes")
 
 
 def _ReadColorSpace(prim, settings, session):

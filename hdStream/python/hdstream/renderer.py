@@ -310,15 +310,8 @@ class Renderer:
         return sorted(path for path in self._session.Scene().cameras if path != FREE_CAMERA_PATH)
 
     def AssetFiles(self) -> List[str]:
-        """Files, besides the stage's, that the prepared scene reads: images, light profiles."""
-        scene = self._session.Scene()
-        files = {asset.file for prim in scene.lights.values()
-                 for asset in (prim.light.textureFile, prim.light.shaping.iesFile)}
-        for network in scene.materials.values():
-            for node in network.nodes:
-                files.update(value.file for value in node.parameters.values()
-                             if isinstance(value, _core.AssetReference))
-        return sorted(file for file in files if file)
+        """Files, besides the stage's, that the prepared scene reads: images, light profiles, volumes."""
+        return sorted(self._session.Scene().AssetFiles())
 
     def Warn(self, subject: str, text: str) -> None:
         """Adds a warning of the caller, for the statistics too."""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """`--resume`: which frames are there already, judged by what they were made of and never by dates of files.
 
-The key of a frame is a hash of the translated scene, of the bytes of the images it reads, of the settings that decide
-its bits, and of the program's version and kernels. It is in the header of an .exr and in the sidecar with the frame's sums.
+The key of a frame is a hash of the translated scene, of the bytes of the images, profiles and volumes it reads, of the
+settings that decide its bits, and of the program's version and kernels. It is in the sidecar with the frame's sums. The
+header of an .exr has it hashed together with what decides the bits of the file alone.
 """
 
 import glob

@@ -118,8 +118,8 @@ def ParseFrames(spec):
             timeCodes.extend(code.GetValue() for code in codes)
         except (TfError, ValueError):
             raise UsageError(f"--frames {part}: not a frame spec such as 101, 101:105 or 101:109x2") from None
-        stride = part.partition("x")[2]
-        precision = max(precision, len(stride.partition(".")[2]))
+        ends, _, stride = part.partition("x")
+        precision = max(precision, *(len(text.partition(".")[2].rstrip("0")) for text in (stride, *ends.split(":"))))
     if not timeCodes:
         raise UsageError(f"--frames {spec}: no frames")
     return timeCodes, precision

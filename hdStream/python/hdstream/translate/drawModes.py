@@ -16,7 +16,7 @@ from hdstream import _core
 from hdstream.translate import valueClips
 from hdstream.translate.circles import HasCircularInstancers
 from hdstream.translate.exrHeader import ReadMatrices
-from hdstream.translate.instanceArrays import InstanceGroup
+from hdstream.translate.instanceArrays import BindingsKey, InstanceGroup
 from hdstream.translate.primState import IDENTITY, Context, State
 
 ATTRIBUTE = "model:drawMode"
@@ -60,9 +60,11 @@ class _Cards:
 class DrawModes:
     """Finds the draw modes of prims and adds to a session what they ask for."""
 
-    def __init__(self, translator, session, timeCode, assets, reports):
+    def __init__(self, translator, session, batch, links, timeCode, assets, reports):
         self._translator = translator
         self._session = session
+        self._batch = batch
+        self._links = links
         self._timeCode = timeCode
         self._assets = assets
         self._reports = reports
@@ -122,24 +124,33 @@ class DrawModes:
         look = tuple((name, repr(prim.GetAttribute(name).Get(self._timeCode))) for name in sorted(names)
                      if name.startswith("model:") or name == "extentsHint")
         key = (prim.GetPrototype().GetPath(), state.drawMode, look, state.purpose,
-               tuple(sorted(state.bindings.items())), state.ofPass)
+               BindingsKey(state, prim.GetPath().pathString), state.ofPass, state.motion)
         group = context.standInGroups.get(key)
         if group is None:
             group = context.standInGroups[key] = InstanceGroup(prim, state)
         group.Add(prim, state)
 
     def AddGroup(self, group, context):
-        """Makes the instancer of native instances that show the same cards."""
+        """Makes the instancers of native instances that show the same cards: one for each way in which they are linked."""
+        for part in group.Split(self._LinksOf) if self._links.areUsed else [group]:
+            self._AddPart(part, context)
+
+    def _LinksOf(self, instance):
+        return frozenset(self._links.CategoriesOf(instance.GetPath()))
+
+    def _AddPart(self, group, context):
         path = self._translator.ReservePath(group.firstPrim, context)
         inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer)
         state = State()
         state.purpose = group.state.purpose
         state.ofPass = group.state.ofPass
         state.drawMode = group.state.drawMode
+        state.motion = group.state.motion
         self._Place(group.firstPrim, state, inner)
         if inner.isPlacing:
             instancer = _core.InstancerPrim(_core.Placement(IDENTITY, context.instancerPath, context.instances))
             instancer.instanceTransforms = group.Transforms()
+            instancer.samples = group.Samples(self._translator.MotionOf(group.state))
             context.isPlacing = True
             self._session.SetInstancer(path, instancer)
 
@@ -162,7 +173,7 @@ class DrawModes:
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
-        return self._session.SetGeometry(path, geometryPrim)
+        return self._batch.AddStandIn(path, prim, geometryPrim)
 
     def _PlaceLines(self, prim, state, context):
         lines, points = _ORIGIN_LINES, _ORIGIN_POINTS
@@ -187,7 +198,7 @@ class DrawModes:
         geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
-        return self._session.SetGeometry(path, geometryPrim)
+        return self._batch.AddStandIn(path, prim, geometryPrim)
 
     def _ColorOf(self, prim):
         if not prim.HasAPI(UsdGeom.ModelAPI):

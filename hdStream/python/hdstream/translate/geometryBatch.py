@@ -29,6 +29,11 @@ class GeometryBatch:
         if len(self._entries) >= _AT_ONCE:
             self._HandOver()
 
+    def AddStandIn(self, path, prim, geometryPrim):
+        """What is drawn in place of `prim`, with materials of its own."""
+        self._session.SetGeometry(path, geometryPrim)
+        self._handedOver.append((path, prim.GetPath()))
+
     def Flush(self):
         """Hands over what is left and finds links; returns the bound material prims by path."""
         self._HandOver()

@@ -89,15 +89,27 @@ def _RowOf(primvar):
     return rows[index:index + 1] if 0 <= index < len(rows) else np.zeros((1, primvar.numComponents), np.float32)
 
 
-def InheritedKey(state, boundPaths, isFlat):
-    """Equal for instances whose prototypes look the same but for primvars of one value; `boundPaths` when
+def RelativeTo(root, path):
+    """A path that is the same for all instances of a prototype where it lies inside of it: `root` is the instance's."""
+    return "." + path[len(root):] if path.startswith(root + "/") else path
+
+
+def BindingsKey(state, root):
+    """Equal for instances, at `root`, that inherit equal bindings of materials."""
+    return tuple(sorted((purpose, RelativeTo(root, path), strength) for purpose, (path, strength) in state.bindings.items()))
+
+
+def InheritedKey(state, root, boundPaths, isFlat):
+    """Equal for instances, at `root`, whose prototypes look the same but for primvars of one value; `boundPaths` when
     collections bind. Who sees them may differ where their prototype is flat."""
     primvars = tuple(sorted(
         (entry.primvar.name, entry.primvar.numComponents)
         if _IsRow(entry.primvar) and (isFlat or not _core.SaysRayVisibility(entry.primvar.name)) else entry.key
         for entry in state.primvars.values()))
-    bindings = boundPaths or tuple(sorted(state.bindings.items()))
-    return state.purpose, state.isPurposeAuthored, primvars, bindings, tuple(sorted(state.skelBindings.items()))
+    bindings = boundPaths or BindingsKey(state, root)
+    skelBindings = tuple(sorted((name, tuple(RelativeTo(root, path) for path in paths))
+                                for name, paths in state.skelBindings.items()))
+    return state.purpose, state.isPurposeAuthored, primvars, bindings, skelBindings
 
 
 def _OrientationsAttr(instancer):

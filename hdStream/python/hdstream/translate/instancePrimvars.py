@@ -153,7 +153,7 @@ class InstanceLevels:
         result = []
         for index, (constants, instances) in enumerate(split.groups):
             name = self._translator.ReservePath(prim, _FixedPath(f"{path}{{{index}}}")) if index else path
-            result.append((name, _Copy(geometryPrim, constants, instances) if constants else geometryPrim))
+            result.append((name, geometryPrim.WithConstants(constants, instances) if constants else geometryPrim))
         return result
 
     def _LevelsOf(self, instancerPath):
@@ -174,20 +174,3 @@ class _FixedPath:
 
     def ScenePath(self, prim):
         return self._path
-
-
-_SHARED_ATTRIBUTES = ("primitives", "points", "samples", "curves", "faceVertexCounts", "faceVertexIndices", "holeIndices",
-                      "subdivisionScheme", "subdivTags", "leftHanded", "subsets")
-
-
-def _Copy(geometryPrim, constants, instances):
-    """The prim with more primvars, placed by these instances; arrays are shared."""
-    geometry = _core.GeometryDescription()
-    for name in _SHARED_ATTRIBUTES:
-        setattr(geometry, name, getattr(geometryPrim.geometry, name))
-    geometry.primvars = geometryPrim.geometry.primvars + constants
-    where = geometryPrim.placement
-    copy = _core.GeometryPrim(geometry, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
-                          geometryPrim.purpose)
-    copy.doubleSided = geometryPrim.doubleSided
-    return copy

@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.translate import primvars, valueClips
-from hdstream.translate.instanceArrays import InheritedKey, InstanceGroup, PointInstances
+from hdstream.translate.instanceArrays import InheritedKey, InstanceGroup, PointInstances, RelativeTo
 from hdstream.translate.instancePrimvars import InstanceLevel, InstanceLevels, ReadInstancePrimvars
 from hdstream.translate.materials import FindBoundMaterials
 from hdstream.translate.motion import ReadBlurScale
@@ -50,7 +50,7 @@ class Instancers:
         passByInstance = frozenset()
         if self._pass and isFlat:
             state, passKey, passByInstance = self._pass.ByInstance(state, passKey, context)
-        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths, isFlat), passKey, state.motion)
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, prim.GetPath().pathString, boundPaths, isFlat), passKey, state.motion)
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
@@ -74,8 +74,7 @@ class Instancers:
                   if child.IsA(UsdGeom.Gprim) or child.IsA(UsdGeom.Subset)]
         root = prim.GetPath().pathString
         paths, _ = FindBoundMaterials(gprims, lambda *_: None)
-        # A material inside the instance is the same one for all instances.
-        return tuple("." + path[len(root):] if path.startswith(root + "/") else path for path in paths)
+        return tuple(RelativeTo(root, path) for path in paths)
 
     def AddGroup(self, group, context):
         """Makes the instancers of a group of native instances: one for each way in which they are linked."""

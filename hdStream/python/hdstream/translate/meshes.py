@@ -184,7 +184,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
     if points is None or not points.size:
         return None
     patch = nurbs.Patch(prim, len(points), timeCode)
-    if patch.rows is None:
+    if patch.gridSizes is None:
         warn(prim, "its orders, knots and vertex counts make no NURBS patch; it is left out")
         return None
     trims = prim.GetAttribute("trimCurve:counts").Get(timeCode)

@@ -9,9 +9,10 @@ in its persistent cache. tests: an edited session dumps the text of a fresh one.
 
 import weakref
 
-from pxr import Tf, Usd, UsdGeom, UsdShade
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdShade
 
 from hdstream.translate import rereading
+from hdstream.translate.drawModes import DrawModes
 from hdstream.translate.lights import LIGHT_TYPES
 from hdstream.translate.meshes import IMPLICIT_TYPES
 from hdstream.translate.primState import PREDICATE
@@ -41,11 +42,15 @@ class StageTranslation:
         self._materialPaths = set()
         self._mappedLayers = rereading.MappedLayers()
         self._hasInstancers = False
+        self._hasPlacedLights = False  # a light may be a prototype, too, which has copies
         self._hasLinks = False  # what a prim's links are, lights elsewhere say
         # Tf keeps what it calls, which would keep the stage and its layers for ever.
         onChanged = weakref.WeakMethod(self._OnChanged)
         self._listener = Tf.Notice.Register(
             Usd.Notice.ObjectsChanged, lambda notice, _: onChanged() and onChanged()(notice), stage)
+        onDirtiness = weakref.WeakMethod(self._OnDirtiness)
+        self._saveListener = Tf.Notice.RegisterGlobally(
+            Sdf.Notice.LayerDirtinessChanged, lambda _, layer: onDirtiness() and onDirtiness()(layer))
 
     def Update(self, timeCode, shutter=(0.0, 0.0), passPath=""):
         """Brings the session up to date; returns how many prims were visited. `passPath`: of a UsdRenderPass."""
@@ -61,7 +66,8 @@ class StageTranslation:
         """Keeps nothing of the stage. Nothing can be brought up to date after it. Returns layers to be kept: OpenUSD makes copies of
         mapped arrays when it closes their file, and of these the core keeps arrays as they are mapped."""
         self._listener.Revoke()
-        self._stage = self._listener = None
+        self._saveListener.Revoke()
+        self._stage = self._listener = self._saveListener = None
         return self._mappedLayers.Held()
 
     def _OnChanged(self, notice):
@@ -72,6 +78,11 @@ class StageTranslation:
                 self._isStale = True
         for path in notice.GetChangedInfoOnlyPaths():
             self._Add(path)
+
+    def _OnDirtiness(self, layer):
+        """A layer that was saved: OpenUSD writes into crate files, of which arrays are read again, so all are read anew."""
+        if layer and not layer.dirty and self._stage and layer in self._stage.GetUsedLayers():
+            self._isStale = True
 
     def _Add(self, path):
         # Metadata of a prim may be anything; that of the stage's root is its units and times.
@@ -91,7 +102,8 @@ class StageTranslation:
         translator.Translate()
         self._materialPaths = translator.materialPaths
         self._mappedLayers = translator.mappedLayers
-        self._hasInstancers = self._session.Scene().hasInstancers
+        scene = self._session.Scene()
+        self._hasInstancers, self._hasPlacedLights = scene.hasInstancers, scene.hasPlacedLights
         self._hasLinks = translator.LinksAreUsed()
         self._isStale = False
         return translator.numPrims
@@ -109,11 +121,14 @@ class StageTranslation:
         kind = prim.GetTypeName()
         if kind in _RENDER or _MaterialOf(prim):
             return True
+        # What is not drawn, or replaced by its bounds, others may depend on.
+        if not PREDICATE(prim) or _HasDrawMode(prim):
+            return False
         # Below a point instancer are prototypes, which have a space of their own; skins follow their skeletons.
         if any(ancestor.IsA(UsdGeom.PointInstancer) or ancestor.GetTypeName() == "SkelRoot"
                for ancestor in _Ancestors(prim)):
             return False
-        if self._hasLinks and kind != "Camera":
+        if (self._hasLinks and kind != "Camera") or (self._hasPlacedLights and kind in LIGHT_TYPES):
             return False
         if kind not in _ALONE | _GROUPS | _GEOMETRY or (self._hasInstancers and kind not in _ALONE):
             return False
@@ -158,6 +173,14 @@ def _Ancestors(prim):
         found.append(parent)
         parent = parent.GetParent()
     return found[::-1]
+
+
+def _HasDrawMode(prim):
+    """Whether a draw mode is said at a prim or above it."""
+    mode = ""
+    for one in (*_Ancestors(prim), prim):
+        mode = mode or DrawModes.ModeOf(one, "")
+    return bool(mode)
 
 
 def _MaterialOf(prim):

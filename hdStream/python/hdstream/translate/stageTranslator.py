@@ -46,7 +46,7 @@ class _TypeInfo:
         self.isImageable = prim.IsA(UsdGeom.Imageable) or schema == splats.TYPE
         self.isXformable = prim.IsA(UsdGeom.Xformable) or schema == splats.TYPE
         self.isSkelRoot = prim.IsA(UsdSkel.Root)
-        self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars
+        self.isLeaf = isLeaf  # a gprim, whose primvars its handler reads; see _BelowLeaf
 
 
 def _HasBindings(names):
@@ -76,7 +76,8 @@ class StageTranslator:
         self._placedPaths = set()  # of what instancers place: all other prims have the paths that USD gives them
         self._links = Links()
         self._batch = GeometryBatch(session, self._links, self._reports.Warn)
-        self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
+        self._drawModes = drawModes.DrawModes(self, session, self._batch, self._links, self._timeCode, self._assets,
+                                             self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._pass,
                                       self._reports)
         self._volumeMaterials = {}  # path -> prim
@@ -106,7 +107,10 @@ class StageTranslator:
         for ancestor in ancestors:
             info = self._types.get(ancestor.GetTypeName()) or self._AddType(ancestor)
             state = state.WithClips() if valueClips.AreOn(ancestor) else state
-            state = self._StateOf(ancestor, info, valueClips.NamesOf(ancestor, state.hasClips), state)
+            names = valueClips.NamesOf(ancestor, state.hasClips)
+            state = self._StateOf(ancestor, info, names, state)
+            if info.isLeaf:
+                state = self._BelowLeaf(ancestor, names, state, PREDICATE)
         self._Translate([prim], state)
 
     def TranslateMaterial(self, prim):
@@ -196,10 +200,21 @@ class StageTranslator:
         own = self._InPass(prim, state, context)
         below = info.handler(prim, info.schema, names, own, context)
         below = state if below is own else below
-        if info.isLeaf and below is not None and _HasBindings(names):
-            below = below.Copy()
-            below.AddBindings(prim, names)
+        if info.isLeaf and below is not None:
+            below = self._BelowLeaf(prim, names, below, context.predicate)
         return below
+
+    def _BelowLeaf(self, prim, names, state, predicate):
+        """What prims below a gprim inherit: of primvars, where there are prims that have some."""
+        if _HasBindings(names):
+            state = state.Copy()
+            state.AddBindings(prim, names)
+        if any(not child.IsA(UsdGeom.Subset) for child in prim.GetFilteredChildren(predicate)):
+            result = primvars.InheritFrom(prim, names, state.primvars, self._timeCode)
+            if result is not state.primvars:
+                state = state.Copy()
+                state.primvars = result
+        return state
 
     def _InPass(self, prim, state, context):
         """A prim's state with what the pass does to it, which those below do not inherit."""
