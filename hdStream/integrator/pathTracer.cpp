@@ -69,8 +69,7 @@ struct PathTracer::Impl {
                              isStreaming);
     }
 
-    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that
-    /// edit do not wait for one.
+    /// Builds the flat hierarchy where rays will pay for it; hosts that edit wait for none.
     void ReadyHierarchy() {
         if (!buffers.IsStreaming() && MayBeFlat(*scene, options, residency, device->Properties()) &&
             buffers.Flatten(*scene, LimitsOfFlat(*scene, options, residency, buffers))) {
