@@ -46,11 +46,11 @@ bool IsMetadata(const std::string& name) {
     return TfStringStartsWith(name, "typeName:") || TfStringStartsWith(name, "colorSpace:");
 }
 
-/// Of images and of colours.
+/// Of images, of colours and of lists of them.
 bool MayHaveColorSpace(const hds::ParameterValue& value) {
     const auto* numbers = std::get_if<std::vector<float>>(&value);
     return std::holds_alternative<hds::AssetReference>(value) ||
-           (numbers != nullptr && (numbers->size() == 3 || numbers->size() == 4));
+           (numbers != nullptr && (numbers->size() % 3 == 0 || numbers->size() == 4));
 }
 
 /// Paths of nodes: relative to the material or absolute in Hydra, absolute in the scene.

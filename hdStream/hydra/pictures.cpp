@@ -20,7 +20,11 @@ HdStreamPictures::Image HdStreamPictures::After(const WeakImage& shown, const vo
     _first = _first != nullptr ? _first : buffer;
     if (buffer == _first) {
         const Image newest = _thread->Newest();
-        _present = newest && newest->version == _version ? newest : _present;
+        if (newest && newest->version == _version) {
+            _present = newest;
+        } else if (newest && newest->version > _version) {
+            _present.reset(); // no other of this version comes, and buffers keep what they show
+        }
     }
     return HdStreamIsSameImage(shown, _present) ? nullptr : _present;
 }

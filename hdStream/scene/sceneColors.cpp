@@ -183,14 +183,16 @@ private:
     void ConvertNode(MaterialNode* node) {
         for (auto& [name, value] : node->parameters) {
             auto* numbers = std::get_if<std::vector<float>>(&value);
-            if (numbers == nullptr || (numbers->size() != 3 && numbers->size() != 4)) {
+            const bool isRamp = numbers != nullptr && numbers->size() % 3 == 0 &&
+                                node->identifier == "arnold:ramp_rgb" && name == "color";
+            if (numbers == nullptr || (!isRamp && numbers->size() != 3 && numbers->size() != 4)) {
                 continue;
             }
             const ColorConversion* conversion =
                 Find(TextOf(*node, kSpacePrefix + name), IsColorInput(node->identifier, name),
                      "input " + name + " of " + node->path);
             if (conversion != nullptr) {
-                conversion->Apply(numbers->data(), 1);
+                conversion->Apply(numbers->data(), isRamp ? numbers->size() / 3 : 1);
             }
         }
         if (!_workingSpace.empty() && IsColorImage(node->identifier)) {

@@ -5,6 +5,7 @@
 
 #include "hdStream/geometry/displacement.h"
 #include "hdStream/shading/arnoldNodes.h"
+#include "hdStream/shading/arnoldPatterns.h"
 #include "hdStream/shading/layeredMaterial.h"
 #include "hdStream/shading/materialDisplacement.h"
 #include "hdStream/shading/meshMedium.h"
@@ -133,7 +134,7 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
         warnings.Add(materialPath, "material has no surface shader; displayColor is used");
         return nullptr;
     }
-    if (!IsSurfaceShader(node->identifier)) {
+    if (!IsSurfaceShader(node->identifier) || IsArnoldPattern(node->identifier)) {
         const std::string what = node->identifier.empty() ? node->path + ", which has no shader id,"
                                                           : node->identifier + " of " + node->path;
         warnings.Add(materialPath,

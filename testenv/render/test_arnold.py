@@ -207,11 +207,13 @@ def test_what_patterns_leave_out_is_told(tmp_path):
         node[0].CreateInput("interpolation", Sdf.ValueTypeNames.IntArray).Set([2, 2])
     cards.Add("smooth", cards.Node("arnold:flat", color=smooth))
     cards.Add("radial", cards.Node("arnold:flat", color=radial))
+    cards.Add("alone", radial)
     warnings = [line for line in cards.Picture(samples=1).warnings if "no lights" not in line]
     assert sorted(warnings) == [
         "/World/M0: arnold:checkerboard of /World/Node2: not supported and left out: u_frequency, u_offset, contrast",
         "/World/M1: arnold:ramp_float of /World/Node3: not supported and left out: interpolation that is neither constant nor linear",
-        "/World/M2: shader arnold:ramp_float of /World/Node4 is not supported here"]
+        "/World/M2: shader arnold:ramp_float of /World/Node4 is not supported here",
+        "/World/M3: surface shader arnold:ramp_float of /World/Node4 is not supported; displayColor is used"]
 
 
 # Of arnold:image, and of the UsdUVTexture with the same wraps, factors and placement: s' = (s scale + move).

@@ -145,7 +145,8 @@ class MaterialReader:
             if converted is None:
                 return
             parameters[name] = converted
-            space = ColorSpaceOfColor(attribute) if isinstance(converted, list) and len(converted) in (3, 4) else ""
+            isColor = isinstance(converted, list) and (len(converted) == 4 or len(converted) % 3 == 0)  # or a list of colours
+            space = ColorSpaceOfColor(attribute) if isColor else ""
         if space:
             parameters["colorSpace:" + name] = space
 
