@@ -154,6 +154,9 @@ std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) {
             return result;
         }
     }
+    if (!options.isReadOnly) {
+        result->segment->MarkUsed(); // nobody deletes it from now on
+    }
     const std::unique_lock<std::shared_mutex> lock(mutex);
     if (const auto found = pages.find(key); found != pages.end() && !found->second.isUsed) {
         found->second.isUsed = true;

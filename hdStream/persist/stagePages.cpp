@@ -58,19 +58,24 @@ std::string KeyOf(const std::string& stage) {
 
 } // namespace
 
-void NoteStagePages(const std::string& stage, const std::vector<PageKey>& pages, Store* store) {
+void NoteStagePages(const std::string& stage, const PageStore& used, Store* store) {
+    const std::vector<PageKey> pages = used.UsedPages();
     Note note{stage, pages};
     const std::string key = KeyOf(stage);
     if (const auto payload = store->Load(kKind, key)) {
         const Note before = ReadNote(*payload);
         std::unordered_set<PageKey> all(pages.begin(), pages.end());
+        std::size_t numKept = 0;
         for (const PageKey& page : before.pages) {
-            if (all.insert(page).second) {
+            const bool isNoted = all.find(page) != all.end();
+            if (!isNoted && used.Contains(page)) {
+                all.insert(page);
                 note.pages.push_back(page);
             }
+            numKept += isNoted || all.find(page) != all.end() ? 1 : 0;
         }
-        if (note.pages.size() == before.pages.size()) {
-            return; // nothing is new
+        if (numKept == before.pages.size() && note.pages.size() == numKept) {
+            return; // nothing is new, and nothing has left
         }
     }
     const std::vector<std::uint8_t> payload = PayloadOf(note);

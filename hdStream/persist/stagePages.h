@@ -18,9 +18,10 @@ struct StagePages {
     PageAmount amount;
 };
 
-/// Adds pages to those that are noted of a stage. Of two processes that do so at once one may be
-/// forgotten. \param stage names it: the path of its file.
-void NoteStagePages(const std::string& stage, const std::vector<PageKey>& pages, Store* store);
+/// Adds the pages that were used to those that are noted of a stage, and forgets those that the
+/// cache does not hold any more. Of two processes that do so at once one may be forgotten. \param
+/// stage names it: the path of its file.
+void NoteStagePages(const std::string& stage, const PageStore& used, Store* store);
 
 /// All stages of which something is left, by name. \param[out] rest pages of none of them.
 std::vector<StagePages> ListStagePages(Store* store, const PageStore& pages, PageAmount* rest);

@@ -66,6 +66,10 @@ std::vector<std::string> MendCamera(CameraPrim* camera) {
         if (!std::isfinite(sample.focalLength)) {
             sample.focalLength = camera->focalLength;
         }
+        sample.fStop = sample.fStop > 0.0F && std::isfinite(sample.fStop) ? sample.fStop : 0.0F;
+        if (std::isnan(sample.focusDistance)) {
+            sample.focusDistance = camera->focusDistance;
+        }
         isZero = MendFocus(&sample.focalLength, &sample.fStop, &sample.focusDistance) || isZero;
     }
     if (isZero && !camera->orthographic && camera->lens.projection == CameraProjection::Film) {

@@ -353,10 +353,7 @@ private:
             const LeafObject& leaf = drawn->object;
             Placement placement = drawn->Prim().placement;
             placement.instances = drawn->Instances();
-            if (NumPlacements(_scene, placement) > kMostPlacements) {
-                _warnings.Add(path, "placed more than 16777216 times by instancers in instancers; "
-                                    "not drawn");
-            }
+            WarnOfTooMany(_scene, path, placement, _warnings);
             for (const Placed& placed : PlacementsOf(_scene, placement, _shutter, 0)) {
                 const Member member{&path, drawn, &leaf, nullptr, placed.worldFromObject};
                 // A record of the TLAS: its rank is the id, whatever the count.

@@ -89,6 +89,7 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
             portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
         }
         LightWay way;
+        WarnOfTooMany(scene, path, prim.placement, warnings);
         ForEachPlacement(scene, prim.placement, input.shutter,
                          [&](const MovingTransform& worldFromLight) {
                              way.Follow(prim, worldFromLight);

@@ -1,14 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/mediaBounds.h"
 
+#include "hdStream/scene/groupRecords.h"
 #include "hdStream/scene/placements.h"
 
 #include <glm/common.hpp>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
 
 namespace hds {
+
+namespace {
+
+void Grow(MediaBounds* grown, const MediaBounds& box, const glm::dmat4& transform) {
+    for (int corner = 0; corner < 8; ++corner) {
+        glm::dvec3 at;
+        for (int i = 0; i < 3; ++i) {
+            at[i] = (corner >> i & 1) != 0 ? box.max[i] : box.min[i];
+        }
+        const glm::dvec3 moved = glm::dvec3(transform * glm::dvec4(at, 1.0));
+        grown->min = glm::min(grown->min, moved);
+        grown->max = glm::max(grown->max, moved);
+    }
+}
+
+/// A box around all placements, level by level: looser than placement by placement, and no matter
+/// how many they are.
+MediaBounds AroundPlacements(const SceneDescription& scene, const Placement& placement,
+                             MediaBounds box) {
+    const Placement* placed = &placement;
+    for (int chain = 0; !placed->instancerPath.empty() && chain < kMaxInstancerChain; ++chain) {
+        const auto found = scene.instancers.find(placed->instancerPath);
+        MediaBounds above;
+        for (const std::int32_t index : placed->instances) {
+            if (found != scene.instancers.end() && index >= 0 &&
+                static_cast<std::size_t>(index) < found->second.instanceTransforms.Size()) {
+                const MovingTransform moved = InstanceTransform(found->second, index, Shutter()) *
+                                              PlacementTransform(*placed, Shutter());
+                Grow(&above, box, moved.AtFrame());
+            }
+        }
+        if (above.min.x > above.max.x) {
+            return above;
+        }
+        box = above;
+        placed = &found->second.placement;
+    }
+    MediaBounds world;
+    Grow(&world, box, PlacementTransform(*placed, Shutter()).AtFrame());
+    return world;
+}
+
+} // namespace
 
 std::optional<float> DielectricPriority(const std::vector<Primvar>& primvars) {
     for (const char* name :
@@ -31,17 +74,20 @@ MediaBounds FindMediaBounds(const SceneDescription& scene, const std::vector<Dra
         if ((object.flags & HDS_INSTANCE_MEDIUM) == 0) {
             continue;
         }
-        ForEachPlacement(scene, leaf.Prim().placement, [&](const glm::dmat4& worldFromObject) {
-            for (int corner = 0; corner < 8; ++corner) {
-                glm::dvec3 at = object.origin;
-                for (int i = 0; i < 3; ++i) {
-                    at[i] += static_cast<double>((corner >> i & 1) != 0 ? object.bounds.max[i]
-                                                                        : object.bounds.min[i]);
-                }
-                const glm::dvec3 world = glm::dvec3(worldFromObject * glm::dvec4(at, 1.0)) - centre;
-                box.min = glm::min(box.min, world);
-                box.max = glm::max(box.max, world);
-            }
+        MediaBounds own;
+        for (int i = 0; i < 3; ++i) {
+            own.min[i] = object.origin[i] + static_cast<double>(object.bounds.min[i]);
+            own.max[i] = object.origin[i] + static_cast<double>(object.bounds.max[i]);
+        }
+        const Placement& placement = leaf.Prim().placement;
+        glm::dmat4 fromWorld(1.0);
+        fromWorld[3] = glm::dvec4(-centre, 1.0);
+        if (NumPlacements(scene, placement) > kMostPlacements) {
+            Grow(&box, AroundPlacements(scene, placement, own), fromWorld);
+            continue;
+        }
+        ForEachPlacement(scene, placement, [&](const glm::dmat4& worldFromObject) {
+            Grow(&box, own, fromWorld * worldFromObject);
         });
     }
     return box;

@@ -45,6 +45,13 @@ double NumPlacements(const SceneDescription& scene, const Placement& placement, 
     return number;
 }
 
+void WarnOfTooMany(const SceneDescription& scene, const std::string& path,
+                   const Placement& placement, Warnings& warnings) {
+    if (NumPlacements(scene, placement) > kMostPlacements) {
+        warnings.Add(path, "placed more than 16777216 times by instancers in instancers; left out");
+    }
+}
+
 std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
                                  const Shutter& shutter, int chain) {
     if (placement.instancerPath.empty()) {

@@ -3,6 +3,7 @@
 // and for lights, media and bounds. Explained in docs/architecture.md, "Instances".
 #pragma once
 
+#include "hdStream/base/log.h"
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/sceneDescription.h"
 
@@ -35,6 +36,10 @@ constexpr double kMostPlacements = 1 << 24;
 /// \param chainLength instancers above the prim, where not null.
 double NumPlacements(const SceneDescription& scene, const Placement& placement,
                      int* chainLength = nullptr);
+
+/// Tells of a prim that has more than kMostPlacements.
+void WarnOfTooMany(const SceneDescription& scene, const std::string& path,
+                   const Placement& placement, Warnings& warnings);
 
 /// All placements in world space, none where they are more than kMostPlacements; parent-major: the
 /// parent's are the outer loop. \param chain instancers that have been followed so far.

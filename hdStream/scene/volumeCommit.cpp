@@ -546,6 +546,7 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
         const auto material = materials.find(path);
         std::vector<MovingTransform> places;
         if (material != materials.end()) {
+            WarnOfTooMany(scene, path, prim.placement, warnings);
             ForEachPlacement(scene, prim.placement, shutter,
                              [&](const MovingTransform& place) { places.push_back(place); });
         }

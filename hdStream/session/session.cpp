@@ -147,9 +147,14 @@ RenderResult Session::Prepare(const Settings& settings, const ProgressCallback& 
     CheckSettings(settings);
     const CameraPrim& camera = _impl->CameraOf(settings);
     _impl->hasFilm = false;
-    const RenderResult result = _impl->Prepare(settings, camera, onProgress, amount);
-    _impl->NotePages();
-    return result;
+    try {
+        const RenderResult result = _impl->Prepare(settings, camera, onProgress, amount);
+        _impl->NotePages();
+        return result;
+    } catch (...) { // what is kept is of this stage too
+        _impl->NotePages();
+        throw;
+    }
 }
 
 RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress,

@@ -321,7 +321,9 @@ RenderResult Session::Impl::Prepare(const Settings& settings, const CameraPrim& 
     const GeometryPages& pages = *made->pages;
     const auto mustStop = [&] {
         if (pageStore->Statistics().pagesNotKept > notKeptBefore) {
-            throw Error("the cache has no room for all pages: " + store->Directory());
+            throw Error((pageStore->IsWriting() ? "the cache has no room for all pages: "
+                                                : "the cache cannot be written: ") +
+                        store->Directory());
         }
         return isCancelled();
     };
@@ -355,7 +357,9 @@ void Session::Impl::NotePages() {
         return;
     }
     notedPages = pageStore->NumUsed();
-    NoteStagePages(stageFile, pageStore->UsedPages(), store.get());
+    Store notes({store->Directory()},
+                nullptr); // of a folder that is read only, say, kernels are read on
+    NoteStagePages(stageFile, *pageStore, &notes);
 }
 
 RenderResult Session::Impl::Render(const Settings& settings, const CameraPrim& camera,

@@ -57,11 +57,11 @@ bool StreamingPool::Update(PageProvider* provider, std::uint64_t budgetBytes) {
     const bool isKept = std::min(limit, totalBytes) <= _bytes && budgetBytes >= _bytes;
     const std::uint64_t spare = _bytes > 0 ? totalBytes / kSpareDivisor : 0;
     const std::uint64_t bytes = isKept ? _bytes : std::min(limit, RoundDown(totalBytes + spare));
-    ChooseHash(bytes);
+    ChooseHash(bytes, totalBytes);
     const std::uint64_t pinLimit = PinLimit(bytes, largest);
     const std::uint64_t pinned = ChoosePinned(pinLimit);
     const std::uint64_t apart = _table.PinLimit();
-    if (isKept && HasEntry() && apart <= pinLimit && pinned / kPinGrowth <= apart) {
+    if (isKept && HasEntries() && apart <= pinLimit && pinned / kPinGrowth <= apart) {
         ChoosePinned(apart);
         _counters.CountEvictions(_table.RemoveUnpinned());
     } else {
@@ -167,13 +167,19 @@ void StreamingPool::AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedByt
     _table.SetBuffers(sizes, pinnedBytes);
 }
 
-/// Whether kernels look pages up in a hash table, in a pool of so many bytes.
-void StreamingPool::ChooseHash(std::uint64_t bytes) {
+/// Whether kernels look pages up in a hash table, in a pool of so many bytes. Unless a setting says
+/// otherwise it has entries for as many pages of the mean size as fit, and there is none where all
+/// do.
+void StreamingPool::ChooseHash(std::uint64_t bytes, std::uint64_t totalBytes) {
+    const double part = double(bytes) / double(std::max<std::uint64_t>(totalBytes, 1));
+    const auto fitting = static_cast<std::uint64_t>(part * _table.NumPages() * 8.0 / 7.0);
     const std::uint32_t entries =
-        _hashEntries > 0 ? PageHash::RoundUp(_hashEntries) : PageHash::EntriesOf(bytes);
+        _hashEntries > 0 ? PageHash::RoundUp(_hashEntries)
+                         : std::max(PageHash::EntriesOf(bytes), PageHash::RoundUp(fitting));
     const std::uint64_t least =
         _hashEntries > 0 ? entries : kLeastPagesPerEntry * std::uint64_t{entries};
-    const bool isWanted = MayHash() && _provider->NumOuterPages() > 0 && _table.NumPages() > least;
+    const bool isWanted = MayHash() && _provider->NumOuterPages() > 0 &&
+                          _table.NumPages() > least && (_hashEntries > 0 || totalBytes > bytes);
     _hash = isWanted ? std::make_unique<PageHash>(entries) : nullptr;
 }
 

@@ -93,8 +93,11 @@ private:
     std::uint64_t PinLimit(std::uint64_t bytes, std::uint64_t largestGroup) const;
     std::uint64_t ChoosePinned(std::uint64_t limit);
     void AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes);
-    void ChooseHash(std::uint64_t bytes);
+    void ChooseHash(std::uint64_t bytes, std::uint64_t totalBytes);
+    /// For one page more.
     bool HasEntry() const { return !_hash || _table.NumPlaced() < _hash->MostPages(); }
+    /// For the pages that are there.
+    bool HasEntries() const { return !_hash || _table.NumPlaced() <= _hash->MostPages(); }
     void MakeTables();
     void ReadUses();
     void PublishUses();

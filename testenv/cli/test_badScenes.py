@@ -171,14 +171,15 @@ def test_instances_whose_turn_is_no_number_are_dropped(tmp_path):
     assert [line for line in result.warnings if line.startswith("/Crowd: 2 instances dropped")], result.text
 
 
-def test_instancers_that_multiply_without_end_are_told(tmp_path):
+@pytest.mark.parametrize("leaf", ['Sphere "In40" { }', 'SphereLight "In40" { }'])
+def test_instancers_that_multiply_without_end_are_told(tmp_path, leaf):
     """Each of the chain places the next twice: 2^40 leaves, deeper than groups are kept."""
     body, ends = "", ""
     for i in range(40):
         body += f'def PointInstancer "In{i}" {{ rel prototypes = [<In{i + 1}>]\n int[] protoIndices = [0, 0]\n'
         body += ' point3f[] positions = [(0, 0, 0), (1, 0, 0)]\n'
         ends += "}\n"
-    result = Run("record", WriteStage(tmp_path, SCENE + body + 'def Sphere "In40" { }\n' + ends), tmp_path / "o.exr", *SMALL)
+    result = Run("record", WriteStage(tmp_path, SCENE + body + f"def {leaf}\n" + ends), tmp_path / "o.exr", *SMALL)
     assert result.code == 0 and Finite(tmp_path / "o.exr"), result.text
     told = [line for line in result.warnings if "In40: placed more than 16777216 times" in line]
     assert len(told) == 1, result.text

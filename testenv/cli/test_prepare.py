@@ -172,7 +172,7 @@ def test_what_cannot_be_prepared(tmp_path):
     AssertFails(Run("prepare"), 2, "STAGE")
     file = tmp_path / "file"
     file.write_text("")
-    AssertFails(Run("prepare", stage, "--cacheDir", file / "cache"), 1, "cache")
+    AssertFails(Run("prepare", stage, "--cacheDir", file / "cache"), 1, "cannot be written")
 
 
 def test_it_needs_no_device(tmp_path):

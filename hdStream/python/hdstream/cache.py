@@ -24,4 +24,4 @@ def Run(args):
 
 
 def _Line(name, pages, size):
-    return f"{BytesText(size):>12} {pages:>10} pages  {name}"
+    return f"{BytesText(size):>12} {pages:>10} pages  {' '.join(name.splitlines())}"

@@ -3,6 +3,7 @@
 
 import errno
 import os
+import stat
 
 from hdstream.errors import CommandError
 
@@ -20,6 +21,6 @@ def WriteText(option, file, text):
         with open(file, "w", encoding="utf-8", opener=_OpenUnlessWaiting) as stream:
             stream.write(text)
     except OSError as error:
-        if error.errno == errno.ENXIO:
+        if error.errno == errno.ENXIO and stat.S_ISFIFO(os.stat(file).st_mode):
             raise CommandError(f"{option} {file}: is a pipe that nobody reads") from None
         raise CommandError(f"{option} {file}: {error.strerror}") from None
