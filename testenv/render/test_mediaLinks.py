@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What lights are linked to where they light volumes and the media of meshes: against the same scenes without links, and against
-lights that are linked to parts."""
+"""What lights are linked to where they light volumes and the media of meshes: against the same scenes without links, against lights
+that are linked to parts, and, of shadows that something of the light passes, against closed forms."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ pytest.importorskip("hdstream._core")
 import ours
 import volumeCase
 from hdstream import _core
-from pxr import Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 from stages import author, shapes
 from test_meshMedia import _BALL, _Stage
 
@@ -119,3 +119,59 @@ def test_who_leaves_a_body_is_in_what_it_was_in_before(tmp_path):
     free = _Lit(tmp_path, "free", bodies)
     assert _Lit(tmp_path, "outer", bodies, excludes=["/World/Body1"]) == pytest.approx(free, rel=1e-5, abs=1e-7)
     assert _Lit(tmp_path, "inner", bodies, excludes=["/World/Body0"]).max() == 0.0
+
+
+# --- Shadows with colours --------------------------------------------------------------------------
+
+
+_BLOCKERS = ["nothing", "opaque", "half", "fading"]
+
+
+def _Shadowed(folder, blocker, hasSmoke, density=np.ones((4, 4, 4)), **settings):
+    """A floor and a sun at 45 degrees, whose light comes through two slabs of even smoke, before and behind a wall."""
+    def Add(stage):
+        author.AddMesh(stage, "/World/Floor", shapes.Plane(1, 1), rotate=(90, 0, 0))
+        fade = dict(distance=30.0, falloff=20.0) if blocker == "fading" else {}
+        author.ShadowLight(UsdGeom.Xformable(stage.GetPrimAtPath("/World/Light0")), color=(0.5, 0.25, 0.0), **fade)
+        if blocker != "nothing":
+            material = author.AddMaterial(stage, "/World/Half", opacity=0.5) if blocker == "half" else None
+            author.AddMesh(stage, "/World/Wall", shapes.Box(8, 8, 0.1), material=material, translate=(8, 0, 8), rotate=(0, 45, 0))
+
+    sun = ("Distant", dict(intensity=3.0, angle=0.0, placement=dict(rotate=(0, 45, 0))))
+    path = volumeCase.Stage(folder / f"{blocker}{hasSmoke}.usda", lights=(sun,), add=Add, width=0.1)
+    volumes = {}
+    for at in (2.0, 12.0) if hasSmoke else ():
+        place = Gf.Matrix4d().SetScale(Gf.Vec3d(2, 2, 1)) * Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(0, 1, 0), 45))
+        place.SetTranslateOnly(Gf.Vec3d(at, 0, at))
+        volume = _core.VolumePrim(_core.Placement(np.array(place)))
+        volume.SetShading((_SIGMA,) * 3, (0.0,) * 3, 0.0, (0.0,) * 3, (0.0,) * 3, 1.0, "density", "", "")
+        volume.SetGrid("density", volumeCase.Grid(density))
+        volumes[f"/World/Smoke{at:.0f}"] = volume
+    return _Session(path, volumes, {}, **{"size": 16, "samples": 256, "maxDepth": 0, **settings})
+
+
+_SIGMA = 0.7
+
+
+def test_light_through_shadows_with_colours_passes_volumes(tmp_path):
+    """Beer's law, and whatever the light has passed, volumes leave the same share of it: by the same random numbers."""
+    clear = _Shadowed(tmp_path, "nothing", False).mean((0, 1))
+    smoky = _Shadowed(tmp_path, "nothing", True, samples=1024).mean((0, 1))
+    assert smoky == pytest.approx(clear * np.exp(-2 * _SIGMA), rel=0.02)
+    left = _Shadowed(tmp_path, "nothing", True) / clear
+    for blocker in _BLOCKERS[1:]:
+        clear = _Shadowed(tmp_path, blocker, False)
+        red, green, blue = clear.mean((0, 1))
+        assert blue < green < red and green > 0.05
+        smoky = _Shadowed(tmp_path, blocker, True)
+        assert smoky == pytest.approx(left * clear, rel=3e-3, abs=1e-6), blocker
+
+
+@pytest.mark.parametrize("blocker", _BLOCKERS[1:])
+def test_bits_of_shadows_with_colours_are_the_same_at_any_budget(tmp_path, blocker):
+    resident, *others = (_Shadowed(tmp_path, blocker, True, volumeCase.Cloud(40), size=4, samples=64, **settings) for settings in (
+        dict(residency="resident"), dict(residency="stream", volumeMemory="20%"), dict(residency="stream", textureMemory="16K"),
+        dict(residency="stream", waveSize=64), dict(residency="resident", traversal="scalar")))
+    assert resident.mean() > 0.01
+    for other in others:
+        assert np.array_equal(other, resident)
