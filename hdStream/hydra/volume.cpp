@@ -2,6 +2,7 @@
 #include "hdStream/hydra/volume.h"
 
 #include "hdStream/hydra/assets.h"
+#include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/lightParameters.h"
@@ -67,7 +68,8 @@ HdDirtyBits HdStreamVolume::GetInitialDirtyBitsMask() const {
     return HdChangeTracker::InitRepr | HdChangeTracker::DirtyTransform |
            HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyMaterialId |
            HdChangeTracker::DirtyVolumeField | HdChangeTracker::DirtyInstancer |
-           HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag;
+           HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag |
+           HdChangeTracker::DirtyCategories;
 }
 
 void HdStreamVolume::_InitRepr(const TfToken& reprToken, HdDirtyBits*) {
@@ -96,6 +98,9 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
+    }
+    if (bits & HdChangeTracker::DirtyCategories) {
+        _prim.categories = HdStreamCategories(delegate->GetCategories(id));
     }
     if (isFirst) {
         HdStreamWarnOfNoLight(delegate, id, _scenePath, param);

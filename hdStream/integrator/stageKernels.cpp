@@ -24,6 +24,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features, const std::string& b
     const bool HDS_OUTER_WAITS = HDS_KEEPS_OUTER_WAITS;
     const bool HDS_SHADOW_LIGHT = HDS_KEEPS_SHADOW_LIGHT;
     const bool HDS_COLLISION_STATE = HDS_KEEPS_COLLISIONS;
+    const bool HDS_MEDIA_LINKS = HDS_KEEPS_MEDIA_LINKS;
     const bool HDS_LIGHT_PATH_STATE = HDS_FOLLOWS_LIGHT_PATHS;
     std::uint64_t count = 0;
 #define HDS_PATH_FIELD(condition, type, name, doc) \

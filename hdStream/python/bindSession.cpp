@@ -269,7 +269,7 @@ void BindSession(nb::module_& module) {
     nb::class_<Session>(module, "SessionCalls", "What a Session does.")
         .def("SetGeometry", &Session::SetGeometry, "path"_a, "prim"_a)
         .def("SetCategories", &Session::SetCategories, "path"_a, "categories"_a,
-             "What geometry that is there is linked to.")
+             "What geometry or a volume that is there is linked to.")
         .def("SetVolume", &Session::SetVolume, "path"_a, "prim"_a)
         .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
         .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)

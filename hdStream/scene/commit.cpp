@@ -100,6 +100,7 @@ private:
             AddInstanceChunks(hierarchy.instanceChunks);
         }
         _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
+        _links.NumberVolumes();
         _links.WarnOfOverflow(_warnings);
         _result->objects[0] = hierarchy.groups[0];
         _result->objects.insert(_result->objects.end(), hierarchy.groups.begin() + 1,
@@ -177,7 +178,7 @@ private:
             CommitVolumes(_scene, std::move(_volumeMaterials), _options.shutter, _result->centre,
                           {static_cast<std::uint32_t>(_result->textureTable.size()),
                            static_cast<std::uint32_t>(programs.size())},
-                          {_cache.grids.get(), &_cache.images}, _warnings);
+                          {_cache.grids.get(), &_cache.images}, &_links, _warnings);
         const std::vector<std::uint32_t>& patterns = _result->volumes.programs;
         programs.insert(programs.end(), patterns.begin(), patterns.end());
         _result->maxLookups = std::max(_result->maxLookups, _result->volumes.maxLookups);

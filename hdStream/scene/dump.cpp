@@ -276,13 +276,18 @@ std::string Unlinked(const LinkedLights& lights, const std::set<std::string>& ca
     return text;
 }
 
-void DumpLinks(const std::string& prefix, const LinkedLights& lights,
+void DumpUnlit(const std::string& prefix, const LinkedLights& lights,
                const std::set<std::string>& categories, Writer* out) {
     const std::string unlit = Unlinked(lights, categories, &LinkCategories::lightLink);
-    const std::string unshadowing = Unlinked(lights, categories, &LinkCategories::shadowLink);
     if (!unlit.empty()) {
         out->Line(prefix + "unlit by", unlit);
     }
+}
+
+void DumpLinks(const std::string& prefix, const LinkedLights& lights,
+               const std::set<std::string>& categories, Writer* out) {
+    DumpUnlit(prefix, lights, categories, out);
+    const std::string unshadowing = Unlinked(lights, categories, &LinkCategories::shadowLink);
     if (!unshadowing.empty()) {
         out->Line(prefix + "no shadows of", unshadowing);
     }
@@ -462,7 +467,7 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
 }
 
 void DumpVolume(const std::string& path, const VolumePrim& prim, const SceneDescription& scene,
-                Writer* out) {
+                const LinkedLights& lights, Writer* out) {
     out->Prim("volume", path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
@@ -471,6 +476,7 @@ void DumpVolume(const std::string& path, const VolumePrim& prim, const SceneDesc
         out->Line("field " + name,
                   Text(field.asset) + " " + field.gridName + " " + Number(field.gridIndex));
     }
+    DumpUnlit("", lights, prim.categories, out); // it casts shadows of all
 }
 
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
@@ -555,7 +561,7 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     for (const auto& [path, prim] : scene.volumes) {
         if (IsShown(scene, prim.placement)) {
-            DumpVolume(path, prim, scene, &out);
+            DumpVolume(path, prim, scene, lights, &out);
         }
     }
     return out.Take();

@@ -54,16 +54,17 @@ struct LightWay {
     }
 };
 
-/// The filters of a light where one of its instances is.
-void PlaceFilters(const LightPrim& prim, const glm::dmat4& worldFromLight,
-                  std::vector<LightFilter>* filters) {
+/// Where the instances of a light take its filters, which lie in the world as the light does before
+/// it is instanced: the places of a prim that is at their origin. No inverse of the light's own
+/// transform, which may be flat.
+std::vector<Placed> PlacesOfFilters(const SceneDescription& scene, const LightPrim& prim) {
     if (prim.filters.empty()) {
-        return;
+        return {};
     }
-    const glm::dmat4 moved = worldFromLight * glm::inverse(prim.placement.worldFromObject);
-    for (std::size_t i = 0; i < filters->size(); ++i) {
-        (*filters)[i].worldFromFilter = moved * prim.filters[i].worldFromFilter;
-    }
+    Placement place = prim.placement;
+    place.worldFromObject = glm::dmat4(1.0);
+    place.samples.clear();
+    return PlacementsOf(scene, place, Shutter());
 }
 
 std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
@@ -90,12 +91,19 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
         }
         LightWay way;
         WarnOfTooMany(scene, path, prim.placement, warnings);
+        const std::vector<Placed> ofFilters = PlacesOfFilters(scene, prim);
+        std::size_t number = 0;
         ForEachPlacement(scene, prim.placement, input.shutter,
                          [&](const MovingTransform& worldFromLight) {
                              way.Follow(prim, worldFromLight);
                              place.worldFromLight = centreFromWorld * worldFromLight.AtFrame();
                              place.keys = way.keys;
-                             PlaceFilters(prim, place.worldFromLight, &place.filters);
+                             for (std::size_t i = 0; i < place.filters.size(); ++i) {
+                                 place.filters[i].worldFromFilter =
+                                     centreFromWorld * ofFilters[number].worldFromObject.AtFrame() *
+                                     prim.filters[i].worldFromFilter;
+                             }
+                             ++number;
                              placed.push_back(place);
                          });
         way.Warn(path, warnings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/lightLinks.h"
 
+#include "hdStream/scene/placements.h"
 #include "kernels/shared/geometry.h"
 
 #include <algorithm>
@@ -54,13 +55,9 @@ bool LightLinks::IsLinkedByInstance(const Placement& placement) const {
     return false;
 }
 
-std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
-                                  const std::set<std::string>& ofInstances) {
-    _hasUnshadowing = _hasUnshadowing || _isFading;
-    if (!AreUsed()) {
-        return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
-    }
-    std::set<std::uint32_t> indices;
+LightLinks::Indices LightLinks::IndicesOf(const std::set<std::string>& categories,
+                                          const std::set<std::string>& ofInstances) const {
+    Indices indices;
     for (const std::set<std::string>* names : {&categories, &ofInstances}) {
         for (const std::string& name : *names) {
             const auto found = _indexByCategory.find(name);
@@ -69,19 +66,53 @@ std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
             }
         }
     }
+    return indices;
+}
+
+std::optional<std::uint32_t> LightLinks::NumberOf(const Indices& indices) {
+    const auto found = _numberBySet.find(indices);
+    if (found != _numberBySet.end()) {
+        return found->second;
+    }
+    if (_numberBySet.size() >= kMaxSets) {
+        _isFull = true;
+        return {};
+    }
+    return _numberBySet.emplace(indices, std::uint32_t(_numberBySet.size())).first->second;
+}
+
+std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
+                                  const std::set<std::string>& ofInstances) {
+    _hasUnshadowing = _hasUnshadowing || _isFading;
+    if (!AreUsed()) {
+        return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
+    }
+    const Indices indices = IndicesOf(categories, ofInstances);
     const bool tracesAll =
         !_isFading && std::includes(indices.begin(), indices.end(), _shadowCategories.begin(),
                                     _shadowCategories.end());
-    auto number = _numberBySet.find(indices);
-    if (number == _numberBySet.end()) {
-        if (_numberBySet.size() >= kMaxSets) {
-            _isFull = true;
-            return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
-        }
-        number = _numberBySet.emplace(indices, std::uint32_t(_numberBySet.size())).first;
+    const std::optional<std::uint32_t> number = NumberOf(indices);
+    if (!number) {
+        return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
     }
     _hasUnshadowing = _hasUnshadowing || !tracesAll;
-    return (number->second << HDS_INSTANCE_LINK_SHIFT) | (tracesAll ? 0U : HDS_INSTANCE_CUTOUT);
+    return (*number << HDS_INSTANCE_LINK_SHIFT) | (tracesAll ? 0U : HDS_INSTANCE_CUTOUT);
+}
+
+std::uint32_t LightLinks::SetOf(const std::set<std::string>& categories,
+                                const std::set<std::string>& ofInstances) {
+    return AreUsed() ? NumberOf(IndicesOf(categories, ofInstances)).value_or(0U) : 0U;
+}
+
+void LightLinks::NumberVolumes() {
+    if (!AreUsed()) {
+        return;
+    }
+    for (const auto& [path, prim] : _scene.volumes) {
+        for (const Placed& place : PlacementsOf(_scene, prim.placement, Shutter())) {
+            SetOf(prim.categories, place.categories);
+        }
+    }
 }
 
 std::uint32_t LightLinks::IndexOf(const std::string& category) const {

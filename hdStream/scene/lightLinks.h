@@ -9,6 +9,7 @@
 #include "hdStream/shading/lightTable.h"
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -31,6 +32,13 @@ public:
     std::uint32_t FlagsOf(const std::set<std::string>& categories,
                           const std::set<std::string>& ofInstances = {});
 
+    /// The link set alone, of what casts shadows of all lights whatever it is in: volumes.
+    std::uint32_t SetOf(const std::set<std::string>& categories,
+                        const std::set<std::string>& ofInstances = {});
+
+    /// Gives volumes their sets, before the light table is made of all sets that there are.
+    void NumberVolumes();
+
     /// Whether some geometry casts no shadow of some light, or one that fades.
     bool HaveUnshadowing() const { return _hasUnshadowing; }
 
@@ -44,12 +52,19 @@ public:
     void WarnOfOverflow(Warnings& warnings) const;
 
 private:
+    /// Of those that lights name.
+    using Indices = std::set<std::uint32_t>;
+
     void AddLight(const LightDescription& light, const LinkCategories& links);
+    Indices IndicesOf(const std::set<std::string>& categories,
+                      const std::set<std::string>& ofInstances) const;
+    /// Nothing: there are too many.
+    std::optional<std::uint32_t> NumberOf(const Indices& indices);
 
     const SceneDescription& _scene;
     std::map<std::string, std::uint32_t> _indexByCategory;
-    std::set<std::uint32_t> _shadowCategories;
-    std::map<std::set<std::uint32_t>, std::uint32_t> _numberBySet;
+    Indices _shadowCategories;
+    std::map<Indices, std::uint32_t> _numberBySet;
     bool _isFading = false; ///< some light's shadows fade: all geometry may be passed
     bool _hasUnshadowing = false;
     bool _isFull = false;

@@ -207,6 +207,7 @@ struct VolumePrim {
     std::map<std::string, VolumeField> fields; ///< by the names that materials know them by
     /// What velocities, which are by second, mean in frames; 0: nothing moves.
     double timeCodesPerSecond = 24.0;
+    std::set<std::string> categories; ///< what lights are linked to (LightPrim)
 
     static constexpr auto Fields() {
         return FieldList(
@@ -214,6 +215,7 @@ struct VolumePrim {
             HDS_FIELD(VolumePrim, timeCodesPerSecond).NotInDump("Hydra does not know it"),
             HDS_FIELD(VolumePrim, materialPath),
             HDS_FIELD(VolumePrim, shading).NotInDump("of the Python interface"),
+            HDS_FIELD(VolumePrim, categories).NotInDump("see LinkCategories"),
             HDS_FIELD(VolumePrim, fields));
     }
 };

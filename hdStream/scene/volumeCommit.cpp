@@ -56,7 +56,8 @@ bool IsPlace(const glm::dmat4& matrix) {
 }
 
 /// The same at the frame, and at the times of all keys that there may be.
-bool IsPlaceAlways(const MovingTransform& transform) {
+bool IsPlaceAlways(const Placed& placed) {
+    const MovingTransform& transform = placed.worldFromObject;
     bool isPlace = IsPlace(transform.AtFrame());
     for (int i = 0; transform.Moves() && i <= HDS_MAX_MOTION_SEGMENTS; ++i) {
         isPlace = isPlace && IsPlace(transform.At(double(i) / HDS_MAX_MOTION_SEGMENTS));
@@ -90,7 +91,7 @@ public:
 
     /// \pre the grids are valid and the volume has a density.
     void Add(const MovingTransform& worldFromObject, const VolumeShading& shading,
-             const VolumeGrids& grids, std::uint32_t identity) {
+             const VolumeGrids& grids, std::uint32_t identity, std::uint32_t linkSet) {
         const GridDescription& lattice = grids.density->description;
         shared::HdsVolume volume{};
         const glm::dmat4 worldFromLattice = worldFromObject.AtFrame() * lattice.objectFromIndex;
@@ -153,6 +154,7 @@ public:
         volume.emissionRate =
             glows ? static_cast<float>(kGlowCollisions / (HDS_BRICK_VOXELS * voxel)) : 0.0F;
         volume.identity = identity;
+        volume.linkSet = linkSet;
         result.volumes.push_back(volume);
     }
 
@@ -536,7 +538,7 @@ GridVelocity FindVelocity(const Shutter& shutter, double timeCodesPerSecond,
 CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials materials,
                                const Shutter& shutter, glm::dvec3 centre,
                                const VolumeTableStarts& starts, const VolumeSources& sources,
-                               Warnings& warnings) {
+                               LightLinks* links, Warnings& warnings) {
     VolumeTables tables(centre, starts.textures, starts.words);
     GridPreparer* preparer = sources.grids;
     std::uint32_t number = 0;
@@ -544,11 +546,10 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
     for (const auto& [path, prim] : scene.volumes) {
         ++number;
         const auto material = materials.find(path);
-        std::vector<MovingTransform> places;
+        std::vector<Placed> places;
         if (material != materials.end()) {
             WarnOfTooMany(scene, path, prim.placement, warnings);
-            ForEachPlacement(scene, prim.placement, shutter,
-                             [&](const MovingTransform& place) { places.push_back(place); });
+            places = PlacementsOf(scene, prim.placement, shutter);
         }
         if (places.empty()) {
             continue;
@@ -579,7 +580,8 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
                 numLeftOut += places.size() - i;
                 break;
             }
-            tables.Add(places[i], shading, grids, number * kMaxVolumes + i);
+            tables.Add(places[i].worldFromObject, shading, grids, number * kMaxVolumes + i,
+                       links->SetOf(prim.categories, places[i].categories));
         }
     }
     if (numLeftOut > 0) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/base/log.h"
+#include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/scene/volumeMaterial.h"
@@ -48,10 +49,11 @@ struct VolumeSources {
 };
 
 /// \param materials of the volumes that are drawn. \param shutter closed: nothing moves.
-/// \param centre of the scene. Volumes that cannot be drawn warn and are left out.
+/// \param centre of the scene. \param links that know the volumes. Volumes that cannot be drawn
+/// warn and are left out.
 CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials materials,
                                const Shutter& shutter, glm::dvec3 centre,
                                const VolumeTableStarts& starts, const VolumeSources& sources,
-                               Warnings& warnings);
+                               LightLinks* links, Warnings& warnings);
 
 } // namespace hds

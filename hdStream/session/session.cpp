@@ -51,11 +51,14 @@ void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
 }
 
 void Session::SetCategories(const std::string& path, std::set<std::string> categories) {
-    const auto prim = _impl->description.geometry.find(path);
-    if (prim == _impl->description.geometry.end()) {
+    SceneDescription& scene = _impl->description;
+    const auto prim = scene.geometry.find(path);
+    const auto volume = scene.volumes.find(path);
+    if (prim == scene.geometry.end() && volume == scene.volumes.end()) {
         throw Error(path + ": there is no geometry");
     }
-    prim->second.categories = std::move(categories);
+    (prim != scene.geometry.end() ? prim->second.categories : volume->second.categories) =
+        std::move(categories);
     _impl->edits.Count();
 }
 

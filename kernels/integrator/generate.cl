@@ -73,6 +73,10 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
     path_store_mediaLow(paths, i, (uint4)(0u));
     path_store_mediaHigh(paths, i, (uint4)(0u, 0u, 0u, as_uint(ray.tMax)));
 #endif
+#if HDS_MEDIA_LINKS
+    path_store_mediaSetsLow(paths, i, (uint4)(0u));
+    path_store_mediaSetsHigh(paths, i, (uint4)(0u));
+#endif
 #if HDS_FEATURE_VOLUMES
     path_beginVolumes(paths, i, ray.tMin);
 #endif

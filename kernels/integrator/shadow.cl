@@ -118,6 +118,36 @@ bool shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
     return false;
 }
 
+#if HDS_FEATURE_VOLUMES && HDS_FEATURE_LIGHT_CONTROLS
+/* t of the candidate of a ray that something opaque blocks, of whose light volumes have to leave
+ * what arrives all the same. */
+#define HDS_SHADOW_BLOCKED_T (-1.0f)
+
+/* Whether light of the shadow ray of slot i arrives though it is blocked: all of it is dimmed by
+ * the volumes on the whole way before anything is taken of it. */
+bool shadow_isSeenThrough(const HdsSceneView* scene, HdsPaths paths, uint i) {
+    global const HdsLightControls* controls =
+        light_controls(&scene->lights, path_load_shadowLight(paths, i).x);
+    return controls != 0 && light_isSeenThroughShadow(controls);
+}
+#endif
+
+/* A ray that something opaque blocks. \return whether it has a candidate: it goes on to volumes. */
+bool shadow_block(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* readyQueue,
+                  volatile global uint* counters) {
+#if HDS_FEATURE_VOLUMES && HDS_FEATURE_LIGHT_CONTROLS
+    if (shadow_isSeenThrough(scene, paths, i) && volumeShadow_isAhead(scene, paths, i)) {
+        HdsHit blocked = hit_none();
+        blocked.t = HDS_SHADOW_BLOCKED_T;
+        path_storeCandidate(paths, i, &blocked);
+        return true;
+    }
+#endif
+    shadow_addBlocked(scene, paths, i, (float3)(1.0f), 0.0f);
+    shadow_end(paths, i, readyQueue, counters);
+    return false;
+}
+
 /* Ends a shadow ray of which it is known whether something opaque blocks it. \param found
  * HDS_RAY_*. \return whether it has a candidate. */
 bool shadow_decide(const HdsSceneView* scene, HdsPaths paths, uint i, uint found,
@@ -126,11 +156,7 @@ bool shadow_decide(const HdsSceneView* scene, HdsPaths paths, uint i, uint found
     if (found == HDS_RAY_DECIDED) {
         return shadow_arrive(scene, paths, i, candidate, readyQueue, counters);
     }
-    if (found == HDS_RAY_BLOCKED) {
-        shadow_addBlocked(scene, paths, i, (float3)(1.0f), 0.0f);
-        shadow_end(paths, i, readyQueue, counters);
-    }
-    return false;
+    return found == HDS_RAY_BLOCKED && shadow_block(scene, paths, i, readyQueue, counters);
 }
 
 #if HDS_FEATURE_CUTOUT
@@ -244,13 +270,21 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 #endif
 
 #if HDS_FEATURE_VOLUMES
-/* Ends a shadow ray that nothing but volumes is in the way of. */
-void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* readyQueue,
-                        volatile global uint* counters) {
+/* Ends a shadow ray that nothing but volumes is in the way of, or that is blocked for good.
+ * \param t of the candidate. */
+void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, float t,
+                        global uint* readyQueue, volatile global uint* counters) {
     if (!volumeShadow_dim(scene, paths, i, path_load_shadowOrigin(paths, i).w)) {
         surfaceMaterial_waitForTexels(scene, i);
         return;
     }
+#if HDS_FEATURE_LIGHT_CONTROLS
+    if (t == HDS_SHADOW_BLOCKED_T) {
+        shadow_addBlocked(scene, paths, i, (float3)(1.0f), 0.0f);
+        shadow_end(paths, i, readyQueue, counters);
+        return;
+    }
+#endif
     shadow_addRadiance(scene, paths, i);
     shadow_end(paths, i, readyQueue, counters);
 }
@@ -262,7 +296,7 @@ bool shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     HdsHit hit = path_loadCandidate(paths, i);
 #if HDS_FEATURE_VOLUMES
     if (hit.chunk == HDS_NONE) {
-        shadow_passVolumes(scene, paths, i, readyQueue, counters);
+        shadow_passVolumes(scene, paths, i, hit.t, readyQueue, counters);
         return false;
     }
 #endif
@@ -272,6 +306,13 @@ bool shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 #endif
         return false;
     }
+#if HDS_FEATURE_VOLUMES && HDS_FEATURE_LIGHT_CONTROLS
+    if (shadow_isSeenThrough(scene, paths, i) &&
+        !volumeShadow_dim(scene, paths, i, path_load_shadowOrigin(paths, i).w)) {
+        surfaceMaterial_waitForTexels(scene, i);
+        return false;
+    }
+#endif
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);

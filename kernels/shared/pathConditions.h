@@ -14,6 +14,9 @@
 /* Where the shadow ray goes is kept beside it. */
 #define HDS_KEEPS_SHADOW_LIGHT (HDS_FEATURE_LIGHT_CONTROLS || HDS_FEATURE_TEXTURED_EMISSION)
 
+/* Light in the media of meshes depends on whose boundary was entered. */
+#define HDS_KEEPS_MEDIA_LINKS (HDS_FEATURE_MEDIA_STACK && HDS_FEATURE_LIGHT_CONTROLS)
+
 /* Walks through volumes may wait at a collision for a line of a brick. */
 #define HDS_KEEPS_COLLISIONS (HDS_FEATURE_VOLUMES && HDS_FEATURE_TEXTURE_STREAMING)
 

@@ -96,7 +96,8 @@ typedef struct {
      * greatest and the least channel of the extinction, the second's that of the emission, and
      * neither has voxels; extinction is 1, albedo and emission say nothing. */
     u32 terms;
+    u32 linkSet; /* which lights are linked to it (HDS_INSTANCE_LINK_SHIFT) */
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 468);
+HDS_ASSERT_SIZE(HdsVolume, 472);
 HDS_SHARED_END
 #endif

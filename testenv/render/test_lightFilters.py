@@ -268,6 +268,39 @@ def test_filters_follow_the_instances_of_their_light(tmp_path):
     assert np.abs(pictures[0] - pictures[1]).max() < 0.02 * pictures[1].max()
 
 
+def _FlatLamp(path, z, isInstanced=False):
+    """The picture of a rect light behind doors, whose transform has that z scale."""
+    stage = _Plate(path)
+    root = "/Lamp" if isInstanced else "/World"
+    if isInstanced:
+        UsdGeom.Xform.Define(stage, "/Lamp").GetPrim().SetSpecifier(Sdf.SpecifierClass)
+        one = UsdGeom.Xform.Define(stage, "/World/Lamp")
+        one.GetPrim().GetReferences().AddInternalReference("/Lamp")
+        one.GetPrim().SetInstanceable(True)
+        author.Place(one, translate=(0.3, 0, 0))
+    lamp = author.AddLight(stage, f"{root}/Light", "Rect", dict(translate=(0, 2, 0), rotate=(-90, 0, 0), scale=(1, 1, z)),
+                           width=0.3, height=0.2, intensity=20.0)
+    _AddFilter(stage, lamp, "PxrBarnLightFilter", f"{root}/Filter", dict(translate=(0, 1.5, 0), rotate=(-90, 0, 0)),
+               width=0.2, height=0.4, radius=0.0)
+    return _Render(stage, samples=64)
+
+
+def test_filters_of_a_flat_light_stay(tmp_path):
+    """A z scale of 0 means the same light, though the transform has no inverse: the doors are where they are."""
+    full, flat = (_FlatLamp(f"{tmp_path}/{z}.usda", z) for z in (1.0, 0.0))
+    assert full.warnings == [] and flat.warnings == []
+    full, flat = _Blocks(full.rgb), _Blocks(flat.rgb)
+    assert full.max() > 10 * full.min()
+    assert np.abs(full - flat).max() < 0.02 * full.max()
+
+
+def test_filters_of_a_flat_light_in_an_instance_say_so(tmp_path):
+    """Where the space of the instance is known by the light's inverse alone, what is left out is said of the light."""
+    assert _FlatLamp(f"{tmp_path}/a.usda", 1.0, isInstanced=True).warnings == []
+    assert _FlatLamp(f"{tmp_path}/b.usda", 0.0, isInstanced=True).warnings == [
+        "/World/Lamp/Light: light with a singular transform below an instancer: its filter /World/Lamp/Filter is left out"]
+
+
 def test_what_is_not_supported_says_so_once(tmp_path):
     """An unknown kind, inputs that are left out, a missing image."""
     stage = _Plate(f"{tmp_path}/a.usda")

@@ -131,6 +131,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"flat", {"simd8"}},                                // is walked as that form walks
         {"flatInstances", {"flat", "simd8"}},               // and beside it instances are
         {"requestsFirst", {"streaming"}},                   // asks for pages that are missing
+        {"pageHash", {"instanceChunks", "streaming"}},      // looks those of many instances up
         {"autobump", {"patterns", "programs", "textures"}}, // looks aside by ray cones
     };
     for (const auto& [name, needs] : AllNeeds()) {

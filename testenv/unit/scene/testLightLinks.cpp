@@ -59,6 +59,18 @@ TEST(LightLinks, SetsAreNumberedByTheCategoriesThatCount) {
     EXPECT_FALSE(isShadowing[SetOf(none)] || isShadowing[SetOf(lit)]);
 }
 
+TEST(LightLinks, VolumesHaveSetsAndCastAllShadows) {
+    const SceneDescription scene = TwoLights();
+    LightLinks links(scene);
+    EXPECT_EQ(links.SetOf({}), 0U);
+    const std::uint32_t lit = links.SetOf({"of no light"}, {"lit"});
+    EXPECT_NE(lit, 0U);
+    EXPECT_FALSE(links.HaveUnshadowing());
+    EXPECT_EQ(SetOf(links.FlagsOf({"lit"})), lit);
+    EXPECT_TRUE(links.Table().categories[links.IndexOf("lit")][lit]);
+    EXPECT_EQ(LightLinks(SceneDescription()).SetOf({"lit"}), 0U);
+}
+
 TEST(LightLinks, MeshLightsAreLights) {
     SceneDescription scene;
     MeshLight light;

@@ -34,6 +34,10 @@ class GeometryBatch:
         self._session.SetGeometry(path, geometryPrim)
         self._handedOver.append((path, prim.GetPath()))
 
+    def AddVolume(self, path, prim):
+        """A volume that is in the session already: its links too are found at the end."""
+        self._NoteHandedOver(path, prim)
+
     def Flush(self):
         """Hands over what is left and finds links; returns the bound material prims by path."""
         self._HandOver()
@@ -60,7 +64,10 @@ class GeometryBatch:
             if subsetPrims:
                 geometryPrim.subsetMaterialPaths = [self._PathOf(next(ofOwn), subset) for subset in subsetPrims]
             self._session.SetGeometry(path, geometryPrim)
-            self._handedOver.append((path, prim.GetPath()) if "{" in path else path)
+            self._NoteHandedOver(path, prim)
+
+    def _NoteHandedOver(self, path, prim):
+        self._handedOver.append((path, prim.GetPath()) if "{" in path else path)
 
     def _FindInherited(self, entries):
         """What prims inherit with bindings that were not met before: the first prim of each stands for all."""

@@ -157,9 +157,14 @@ def ReadFilters(prim, names, matrix, timeCode, assets, warn):
         if not source:
             warn(prim, f"light filter {path} does not exist; left out")
             continue
-        lightFromFilter = (transforms.GetLocalToWorldTransform(source)
-                           * transforms.GetLocalToWorldTransform(prim).GetInverse())
-        filters.append((_ReadFilterNode(source, timeCode, assets), lightFromFilter * matrix))
+        worldFromFilter = transforms.GetLocalToWorldTransform(source)
+        worldFromLight = transforms.GetLocalToWorldTransform(prim)
+        if not Gf.IsClose(worldFromLight, matrix, 1e-9):  # it is placed below an instancer
+            if worldFromLight.GetDeterminant() == 0.0:
+                warn(prim, f"light with a singular transform below an instancer: its filter {path} is left out")
+                continue
+            worldFromFilter *= worldFromLight.GetInverse() * matrix
+        filters.append((_ReadFilterNode(source, timeCode, assets), worldFromFilter))
     return filters
 
 

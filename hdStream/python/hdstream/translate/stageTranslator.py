@@ -399,6 +399,7 @@ class StageTranslator:
             self._reports.Count(prim, "volumes have no matte and are always seen by the camera, whatever the pass says: {count}")
         self._session.SetVolume(path, volumes.ReadVolume(
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
+        self._batch.AddVolume(path, prim)
         return state
 
     def _SkinOf(self, prim, names, state):
