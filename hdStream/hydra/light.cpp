@@ -82,13 +82,10 @@ void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderPara
         return; // The application's own: nobody can act on a warning about it.
     }
     std::vector<std::string> problems;
+    // Their edits are edits of the light (HdStreamEditSceneIndex).
     _prim.filters = HdStreamReadFilters(delegate, GetId(), &problems);
     for (const std::string& problem : problems) {
         param->Warn(SdfPath(_scenePath), problem);
-    }
-    HdChangeTracker& tracker = delegate->GetRenderIndex().GetChangeTracker();
-    for (const SdfPath& filter : HdStreamFiltersOf(delegate, GetId())) {
-        tracker.AddSprimSprimDependency(filter, GetId()); // its edits are edits of the light
     }
     for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
         param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
