@@ -82,7 +82,10 @@ void HdStreamRprim<Base>::Sync(HdSceneDelegate* delegate, HdRenderParam* renderP
     const SdfPath& instancerId = this->GetInstancerId();
     this->_UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), instancerId);
-    HdStreamSyncPlacement(delegate, id, instancerId, bits, param, &_prim.placement, &_scenePath);
+    if (HdStreamSyncPlacement(delegate, id, instancerId, bits, param, &_prim.placement, &_scenePath,
+                              &_isPathProvisional)) {
+        bits |= HdChangeTracker::DirtyTopology; // The names of subsets begin with the path.
+    }
     SyncCommonLook(delegate, param, bits);
     SyncLook(delegate, param, bits);
     if (bits & kGeometryBits) {
