@@ -132,6 +132,11 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
     SyncTopology(delegate, param, bits, geometry.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
         const TfToken& points = PointsName();
+        const bool isCarried = geometry->primitives == hds::PrimitiveKind::Faces &&
+                               HdStreamHasComputedPoints(delegate, id);
+        if (isCarried) { // What is carried must be what is at rest, not what was carried before.
+            bits |= HdChangeTracker::DirtyNormals;
+        }
         HdStreamSyncPrimvars(delegate, id, points, bits, &geometry->points, &geometry->primvars);
         bool fit = true;
         geometry->samples = HdStreamSamplePoints(delegate, id, points, param->Shutter(), &fit);
@@ -146,7 +151,7 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
                 HdStreamSampleShapes(delegate, id, *geometry, param->Shutter());
         } else if (geometry->primitives != hds::PrimitiveKind::Faces) {
             geometry->widthSamples = HdStreamSampleWidths(delegate, id, param->Shutter());
-        } else if (HdStreamHasComputedPoints(delegate, id)) {
+        } else if (isCarried) {
             HdStreamCarryNormals(delegate, id, geometry.get());
         } else {
             geometry->normalSamples = HdStreamSampleNormals(delegate, id, param->Shutter());
