@@ -4,6 +4,7 @@
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/poclCache.h"
+#include "hdStream/geometry/subdivSource.h"
 #include "hdStream/integrator/dicingCamera.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/integrator/sceneFeatures.h"
@@ -283,6 +284,25 @@ struct Session::Impl {
         }
     }
 
+    /// That of the picture, as in a fresh session; where the camera moves under someone's eyes, the
+    /// first one.
+    void ReadyDicingCamera(const Settings& settings, const RenderOptions& options) {
+        const bool isOfKind = dicingCamera && dicingCamera->isStill != settings.cameraMoves;
+        if (isOfKind && (settings.cameraMoves || !HasSubdivided())) {
+            return; // Another camera would be another commit.
+        }
+        dicingCamera = MakeDicingCamera(options);
+        dicingCamera->isStill = !settings.cameraMoves;
+    }
+
+    bool HasSubdivided() const {
+        return std::any_of(description.geometry.begin(), description.geometry.end(),
+                           [](const auto& entry) {
+                               const auto& geometry = entry.second.geometry;
+                               return geometry && IsSubdivisionScheme(geometry->subdivisionScheme);
+                           });
+    }
+
     /// What is counted is of the render that begins.
     void BeginStatistics() {
         statistics.commitSeconds = 0.0;
@@ -318,10 +338,7 @@ struct Session::Impl {
         if (!denoisedAovs.empty()) {
             options.aovs = MakeAovLayout(WithDenoiserGuides(denoisedAovs));
         }
-        if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
-            dicingCamera = MakeDicingCamera(options);
-            dicingCamera->isStill = !settings.cameraMoves;
-        }
+        ReadyDicingCamera(settings, options);
         if (!Commit(settings, options, isCancelled)) {
             return RenderResult::Stopped;
         }
@@ -366,7 +383,7 @@ struct Session::Impl {
     bool hasCaches = false; ///< `cache` is of that folder
     CommitCache cache;
     EditCounts edits{&cache};                 ///< of `description`
-    std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
+    std::optional<DicingCamera> dicingCamera; ///< ReadyDicingCamera
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     bool isMended = false;              ///< `scene` is, since its commit
