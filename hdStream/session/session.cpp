@@ -496,7 +496,7 @@ std::string Session::Info() const {
 void Session::Warm(const Settings& settings) {
     try {
         _impl->Warm(settings);
-    } catch (const Error&) {
+    } catch (const std::exception&) { // of memory and files too; Render meets it again
         _impl->Discard();
         _impl->device.reset();
     }
