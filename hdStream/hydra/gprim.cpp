@@ -93,9 +93,11 @@ bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
     return variants->Update(prim.geometry, std::move(groups));
 }
 
-void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
+bool HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
                            HdDirtyBits bits, HdStreamRenderParam* param, hds::Placement* placement,
-                           std::string* scenePath) {
+                           std::string* scenePath, bool* isPathProvisional) {
+    // What is drawn keeps its path, as where no instancer was found.
+    *isPathProvisional = *isPathProvisional && !HdStreamInstancer::IsPlaced(*placement);
     const bool isMoved =
         HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), instancerId, param, placement);
     const bool isBlurDirty =
@@ -107,10 +109,8 @@ void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const S
     if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
         HdStreamInstancer::ReadInstances(delegate, instancerId, id, placement);
     }
-    if (scenePath->empty()) {
-        *scenePath =
-            param->ReservePath(HdStreamScenePath(delegate, id, instancerId, *placement), id);
-    }
+    return HdStreamReservePath(delegate, id, instancerId, *placement, param, scenePath,
+                               isPathProvisional);
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -29,9 +29,10 @@ bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
                           const std::string& scenePath, const hds::GeometryPrim& prim,
                           HdStreamRenderParam* param, HdStreamGeometryVariants* variants);
 
-/// Reads where a prim is, and reserves its path in the scene when it has none yet.
-void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
+/// Reads where a prim is, and reserves its path in the scene (HdStreamReservePath).
+/// \return true when the prim had another path
+bool HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
                            HdDirtyBits bits, HdStreamRenderParam* param, hds::Placement* placement,
-                           std::string* scenePath);
+                           std::string* scenePath, bool* isPathProvisional);
 
 PXR_NAMESPACE_CLOSE_SCOPE

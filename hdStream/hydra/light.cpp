@@ -48,6 +48,7 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
                                   HdDirtyBits bits) {
     const SdfPath& id = GetId();
     hds::Placement& placement = _prim.placement;
+    _isPathProvisional = _isPathProvisional && !_isInScene;
     HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), GetInstancerId(), param,
                                     &placement);
     if (bits & DirtyInstancer) { // Lights have no bit of their own for instance indices.
@@ -66,10 +67,8 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
     if (bits & DirtyParams) {
         placement.visible = delegate->GetVisible(id);
     }
-    if (_scenePath.empty()) {
-        _scenePath =
-            param->ReservePath(HdStreamScenePath(delegate, id, GetInstancerId(), placement), id);
-    }
+    HdStreamReservePath(delegate, id, GetInstancerId(), placement, param, &_scenePath,
+                        &_isPathProvisional);
 }
 
 void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
@@ -82,13 +81,10 @@ void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderPara
         return; // The application's own: nobody can act on a warning about it.
     }
     std::vector<std::string> problems;
+    // Their edits are edits of the light (HdStreamEditSceneIndex).
     _prim.filters = HdStreamReadFilters(delegate, GetId(), &problems);
     for (const std::string& problem : problems) {
         param->Warn(SdfPath(_scenePath), problem);
-    }
-    HdChangeTracker& tracker = delegate->GetRenderIndex().GetChangeTracker();
-    for (const SdfPath& filter : HdStreamFiltersOf(delegate, GetId())) {
-        tracker.AddSprimSprimDependency(filter, GetId()); // its edits are edits of the light
     }
     for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
         param->Warn(SdfPath(_scenePath), feature + " is not supported yet");

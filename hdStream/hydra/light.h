@@ -28,7 +28,8 @@ private:
 
     TfToken _typeId;
     hds::LightType _type;
-    std::string _scenePath; ///< empty until the first Sync
+    std::string _scenePath;          ///< empty until the first Sync
+    bool _isPathProvisional = false; ///< no instance has told it
     hds::LightPrim _prim;
     bool _isInScene = false;
 };

@@ -82,7 +82,10 @@ void HdStreamRprim<Base>::Sync(HdSceneDelegate* delegate, HdRenderParam* renderP
     const SdfPath& instancerId = this->GetInstancerId();
     this->_UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), instancerId);
-    HdStreamSyncPlacement(delegate, id, instancerId, bits, param, &_prim.placement, &_scenePath);
+    if (HdStreamSyncPlacement(delegate, id, instancerId, bits, param, &_prim.placement, &_scenePath,
+                              &_isPathProvisional)) {
+        bits |= HdChangeTracker::DirtyTopology; // The names of subsets begin with the path.
+    }
     SyncCommonLook(delegate, param, bits);
     SyncLook(delegate, param, bits);
     if (bits & kGeometryBits) {
@@ -129,6 +132,11 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
     SyncTopology(delegate, param, bits, geometry.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
         const TfToken& points = PointsName();
+        const bool isCarried = geometry->primitives == hds::PrimitiveKind::Faces &&
+                               HdStreamHasComputedPoints(delegate, id);
+        if (isCarried) { // What is carried must be what is at rest, not what was carried before.
+            bits |= HdChangeTracker::DirtyNormals;
+        }
         HdStreamSyncPrimvars(delegate, id, points, bits, &geometry->points, &geometry->primvars);
         bool fit = true;
         geometry->samples = HdStreamSamplePoints(delegate, id, points, param->Shutter(), &fit);
@@ -143,7 +151,7 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
                 HdStreamSampleShapes(delegate, id, *geometry, param->Shutter());
         } else if (geometry->primitives != hds::PrimitiveKind::Faces) {
             geometry->widthSamples = HdStreamSampleWidths(delegate, id, param->Shutter());
-        } else if (HdStreamHasComputedPoints(delegate, id)) {
+        } else if (isCarried) {
             HdStreamCarryNormals(delegate, id, geometry.get());
         } else {
             geometry->normalSamples = HdStreamSampleNormals(delegate, id, param->Shutter());

@@ -63,6 +63,7 @@ private:
     /// Queues the prim as it is now, or its removal when there is nothing to draw.
     void Push(HdStreamRenderParam* param);
 
+    bool _isPathProvisional = false;    ///< no instance has told it
     HdStreamGeometryVariants _variants; ///< of the prim, in the scene
 };
 

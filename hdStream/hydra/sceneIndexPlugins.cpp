@@ -2,6 +2,7 @@
 #include "hdStream/hydra/sceneIndexPlugins.h"
 
 #include "hdStream/hydra/editSceneIndex.h"
+#include "hdStream/hydra/linkSceneIndex.h"
 #include "hdStream/hydra/passSceneIndex.h"
 #include "hdStream/hydra/rendererPlugin.h"
 #include "hdStream/hydra/roundSceneIndex.h"
@@ -117,6 +118,7 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
     scene = HdsiNurbsApproximatingSceneIndex::New(scene);
     scene = HdsiTetMeshConversionSceneIndex::New(scene);
     scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments(inputScene));
+    scene = HdStreamLinkSceneIndex::New(scene);
     scene = HdsiLightLinkingSceneIndex::New(scene, nullptr);
     scene = HdsiMaterialBindingResolvingSceneIndex::New(
         scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/scenePaths.h"
 
+#include "hdStream/hydra/renderParam.h"
+
 #include <pxr/imaging/hd/instancedBySchema.h>
 #include <pxr/imaging/hd/instancerTopologySchema.h>
 #include <pxr/imaging/hd/primOriginSchema.h>
@@ -161,6 +163,22 @@ std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
     }
     return path.IsEmpty() || path == id ? id.GetString()
                                         : BelowInstancer(path.GetString(), placement.instancerPath);
+}
+
+bool HdStreamReservePath(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
+                         const hds::Placement& placement, HdStreamRenderParam* param,
+                         std::string* path, bool* isProvisional) {
+    const bool isTold = instancerId.IsEmpty() || !placement.instances.empty();
+    if (!path->empty() && !(*isProvisional && isTold)) {
+        return false;
+    }
+    const std::string before = *path;
+    if (!before.empty()) {
+        param->ReleasePath(before);
+    }
+    *path = param->ReservePath(HdStreamScenePath(delegate, id, instancerId, placement), id);
+    *isProvisional = !isTold;
+    return !before.empty() && *path != before;
 }
 
 std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath& id,

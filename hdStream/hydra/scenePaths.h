@@ -14,6 +14,8 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+class HdStreamRenderParam;
+
 /// The path of a prim. Below native instances: its path in the first instance. Below a point
 /// instancer: its USD path when it lies below the instancer, else "INSTANCER{PATH}". Hydra's id,
 /// which is unique, where neither is known. Thread-safe during Sync.
@@ -23,6 +25,15 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// that no instance draws yet
 std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
                               const SdfPath& instancerId, const hds::Placement& placement);
+
+/// Reserves the path of a prim that has none, and another one where no instance told the path that
+/// it has: names must not depend on what was seen first. Thread-safe during Sync.
+/// \param[in,out] path of the prim; must not be in the scene unless it is kept
+/// \param[in,out] isProvisional true while `path` is an id for want of instances
+/// \return true when the prim had another path
+bool HdStreamReservePath(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,
+                         const hds::Placement& placement, HdStreamRenderParam* param,
+                         std::string* path, bool* isProvisional);
 
 /// The path of an instancer: of the first native instance it stands for, or its own.
 std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath& id,

@@ -91,8 +91,13 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     const hds::VolumePrim before = _prim;
     const std::map<std::string, SdfPath> fieldsBefore = _fieldIds;
     *dirtyBits = HdChangeTracker::Clean;
-    HdStreamSyncPlacement(delegate, id, GetInstancerId(), bits, param, &_prim.placement,
-                          &_scenePath);
+    const std::string pathBefore = _scenePath;
+    const bool isRenamed =
+        HdStreamSyncPlacement(delegate, id, GetInstancerId(), bits, param, &_prim.placement,
+                              &_scenePath, &_isPathProvisional);
+    if (isRenamed) {
+        param->Push([pathBefore](hds::Session& session) { session.Remove(pathBefore); });
+    }
     _prim.placement.visible = IsVisible();
     _prim.purpose = HdStreamPurpose(GetRenderTag());
     if (bits & HdChangeTracker::DirtyMaterialId) {
@@ -108,7 +113,7 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyVolumeField) {
         SyncFields(delegate, param);
     }
-    if (isFirst || _prim != before || _fieldIds != fieldsBefore) {
+    if (isFirst || isRenamed || _prim != before || _fieldIds != fieldsBefore) {
         Push(param, param->Volumes().SetVolume(id, {_scenePath, _prim, _fieldIds}));
     }
 }

@@ -49,8 +49,9 @@ protected:
 private:
     void SyncFields(HdSceneDelegate* delegate, HdStreamRenderParam* param);
 
-    std::string _scenePath; ///< empty until the first Sync
-    hds::VolumePrim _prim;  ///< without its fields
+    std::string _scenePath;          ///< empty until the first Sync
+    bool _isPathProvisional = false; ///< no instance has told it
+    hds::VolumePrim _prim;           ///< without its fields
     std::map<std::string, SdfPath> _fieldIds;
 };
 

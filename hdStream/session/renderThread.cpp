@@ -61,13 +61,17 @@ struct RenderThread::Impl {
         return hasSettings && !isStopped && !isPaused && doneVersion != version;
     }
 
-    /// Edits may throw nothing but what Call hands to its caller.
+    /// What an edit throws, as for want of memory, is a warning; Call hands it to its caller.
     void ApplyEdits(std::unique_lock<std::mutex>* lock) {
         std::vector<Edit> edits;
         edits.swap(inbox);
         lock->unlock();
         for (const Edit& edit : edits) {
-            edit(session);
+            try {
+                edit(session);
+            } catch (const std::exception& error) {
+                session.Warn("", error.what()); // The thread is the host's process.
+            }
         }
         edits.clear(); // frees what they held outside the lock
         lock->lock();

@@ -7,6 +7,7 @@
 #include "hdStream/scene/transforms.h"
 #include "hdStream/session/sessionImpl.h"
 
+#include <exception>
 #include <utility>
 
 namespace hds {
@@ -135,7 +136,7 @@ std::string Session::Info() const {
 void Session::Warm(const Settings& settings) {
     try {
         _impl->Warm(settings);
-    } catch (const Error&) {
+    } catch (const std::exception&) { // of memory and files too; Render meets it again
         _impl->Discard();
         _impl->device.reset();
     }

@@ -3,6 +3,7 @@
 
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
+#include "hdStream/geometry/subdivSource.h"
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/persist/stagePages.h"
 #include "hdStream/session/frontEndArrays.h"
@@ -31,6 +32,13 @@ std::uint64_t HostBytes(const Settings& settings) {
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool HasSubdivided(const SceneDescription& scene) {
+    return std::any_of(scene.geometry.begin(), scene.geometry.end(), [](const auto& entry) {
+        const auto& geometry = entry.second.geometry;
+        return geometry && IsSubdivisionScheme(geometry->subdivisionScheme);
+    });
 }
 
 /// Textures of which all lines are made between two questions whether to go on.
@@ -292,10 +300,12 @@ CancelCallback Session::Impl::Reporting(const Settings& settings,
 }
 
 void Session::Impl::ReadyDicing(const Settings& settings, const RenderOptions& options) {
-    if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
-        dicingCamera = MakeDicingCamera(options);
-        dicingCamera->isStill = !settings.cameraMoves;
+    const bool isOfKind = dicingCamera && dicingCamera->isStill != settings.cameraMoves;
+    if (isOfKind && (settings.cameraMoves || !HasSubdivided(description))) {
+        return; // Another camera would be another commit.
     }
+    dicingCamera = MakeDicingCamera(options);
+    dicingCamera->isStill = !settings.cameraMoves;
 }
 
 RenderResult Session::Impl::Prepare(const Settings& settings, const CameraPrim& camera,

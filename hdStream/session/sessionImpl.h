@@ -71,7 +71,8 @@ struct Session::Impl {
     /// Tells who waits how far the scene is prepared. \return whether the render is cancelled.
     CancelCallback Reporting(const Settings& settings, const ProgressCallback& onProgress);
 
-    /// Surfaces are diced for the first camera.
+    /// Surfaces are diced for the camera of the picture, as in a fresh session; where the camera
+    /// moves under someone's eyes, for the first one.
     void ReadyDicing(const Settings& settings, const RenderOptions& options);
 
     CommitOptions OptionsOfCommit(const Settings& settings, const RenderOptions& options) const;
@@ -116,7 +117,7 @@ struct Session::Impl {
     std::uint64_t notedPages = 0;         ///< of pageStore, as NotePages has noted them
     CommitCache cache;
     EditCounts edits{&cache};                 ///< of `description`
-    std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
+    std::optional<DicingCamera> dicingCamera; ///< ReadyDicing
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     bool isMended = false;              ///< `scene` is, since its commit

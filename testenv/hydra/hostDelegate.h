@@ -59,6 +59,8 @@ public:
     GfMatrix4d GetInstancerTransform(const SdfPath& instancer) override;
     SdfPath GetInstancerId(const SdfPath& id) override;
     SdfPathVector GetInstancerPrototypes(const SdfPath& instancer) override;
+    SdfPath GetScenePrimPath(const SdfPath& id, int instanceIndex,
+                             HdInstancerContext* instancerContext) override;
     SdfPath GetMaterialId(const SdfPath& id) override;
     VtValue GetMaterialResource(const SdfPath& id) override;
     HdRenderBufferDescriptor GetRenderBufferDescriptor(const SdfPath& id) override;

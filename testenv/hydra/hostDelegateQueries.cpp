@@ -183,6 +183,18 @@ SdfPathVector SyntheticScene::GetInstancerPrototypes(const SdfPath& instancer) {
     return prototypes;
 }
 
+SdfPath SyntheticScene::GetScenePrimPath(const SdfPath& id, int instanceIndex,
+                                         HdInstancerContext* instancerContext) {
+    const GprimData* gprim = Find(_data.gprims, id);
+    if (!gprim || gprim->scenePath.IsEmpty()) {
+        return HdSceneDelegate::GetScenePrimPath(id, instanceIndex, instancerContext);
+    }
+    if (instancerContext) {
+        instancerContext->emplace_back(gprim->instancer, instanceIndex);
+    }
+    return gprim->scenePath;
+}
+
 SdfPath SyntheticScene::GetMaterialId(const SdfPath& id) {
     const GprimData* gprim = Find(_data.gprims, id);
     return gprim ? gprim->material : SdfPath();

@@ -50,6 +50,7 @@ struct GprimData {
     SdfPath material;
     TfToken renderTag = HdRenderTagTokens->geometry;
     SdfPath instancer;
+    SdfPath scenePath; ///< what Hydra asks for where an instancer places it; empty: not known
     HdVolumeFieldDescriptorVector volumeFields; ///< of the type volume
 
     /// The primvar of that name; null when there is none.

@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Edits mesh lights while an engine draws them, and draws each edited stage with a fresh engine: meshLightScript.py JOB.json
+"""Edits of mesh lights (recordedEdits.py): meshLightScript.py JOB.json"""
 
-Runs in OpenUSD's Python without a screen. The job names the stage, its camera and render settings, the renderer's plug-in, the
-width and the folder of the pictures: EDIT.exr and EDIT.fresh.exr for each edit of `EDITS`, in this order, and start.exr.
-"""
-
-import json
 import sys
 
-from pxr import Gf, Sdf, Usd, UsdAppUtils, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
+
+from recordedEdits import Run
 
 _LAMP = "/World/Lamp"
 EDITS = {
@@ -36,32 +33,5 @@ def _LinkTo(collection, path):
     collection.CreateIncludesRel().AddTarget(path)
 
 
-def main(jobPath):
-    with open(jobPath, encoding="utf-8") as stream:
-        job = json.load(stream)
-    stage = Usd.Stage.Open(job["stage"])
-    camera = UsdGeom.Camera.Get(stage, job["camera"])
-
-    def MakeRecorder():
-        recorder = UsdAppUtils.FrameRecorder(job["renderer"], False)
-        recorder.SetActiveRenderSettingsPrimPath(Sdf.Path(job["settings"]))
-        recorder.SetImageWidth(job["width"])
-        recorder.SetCameraLightEnabled(False)
-        recorder.SetColorCorrectionMode("disabled")
-        recorder.SetIncludedPurposes(["render"])
-        return recorder
-
-    def Record(recorder, name):
-        if not recorder.Record(stage, camera, Usd.TimeCode.EarliestTime(), f"{job['out']}/{name}.exr"):
-            raise RuntimeError(f"{name} was not recorded")
-
-    live = MakeRecorder()
-    Record(live, "start")
-    for name, Edit in EDITS.items():
-        Edit(stage)
-        Record(live, name)
-        Record(MakeRecorder(), f"{name}.fresh")
-
-
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    Run(sys.argv[1], EDITS)

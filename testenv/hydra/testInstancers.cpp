@@ -6,6 +6,9 @@
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/rprim.h>
 
+#include <fstream>
+#include <iterator>
+
 namespace hydraHost {
 
 namespace {
@@ -174,6 +177,43 @@ TEST_F(Instancers, PrototypeMayGoAndComeBack) {
     host.Scene().SetInstancer(kInner, inner, HdChangeTracker::DirtyInstanceIndex);
     host.Scene().SetGprim(kLeaf, leaf);
     EXPECT_EQ(host.Render(), before);
+}
+
+std::string DumpOf(Host& host) {
+    host.Frame();
+    const std::string file = ::testing::TempDir() + "hydraInstancers.txt";
+    EXPECT_TRUE(
+        host.Delegate().InvokeCommand(TfToken("dumpScene"), {{TfToken("file"), VtValue(file)}}));
+    std::ifstream stream(file);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+TEST_F(Instancers, NamesOfPrototypesWithoutInstancesAreNotKept) {
+    SceneData scene = NestedScene();
+    scene.gprims[kLeaf].scenePath = SdfPath("/outer/inner/Leaf");
+    const SdfPath material("/materials/red");
+    scene.materials[material] = MakeMaterial(GfVec3f(0.8F, 0.1F, 0.1F));
+    scene.gprims[kLeaf].mesh.SetGeomSubsets(
+        {{HdGeomSubset::TypeFaceSet, kLeaf.AppendChild(TfToken("part")), material,
+          VtIntArray{0, 2}}});
+    const std::string fresh = [&] {
+        Host host(scene, Quick());
+        return DumpOf(host);
+    }();
+    ASSERT_NE(fresh.find("/outer/inner/Leaf/part"), std::string::npos);
+    SceneData empty = scene;
+    empty.instancers[kInner].indicesByPrototype[kLeaf] = {};
+    Host host(empty, Quick());
+    EXPECT_EQ(DumpOf(host).find("/outer/inner/Leaf"), std::string::npos);
+    host.Scene().SetInstancer(kInner, scene.instancers[kInner],
+                              HdChangeTracker::DirtyInstanceIndex);
+    EXPECT_EQ(DumpOf(host), fresh);
+    host.Scene().SetInstancer(kInner, empty.instancers[kInner],
+                              HdChangeTracker::DirtyInstanceIndex);
+    host.Frame();
+    host.Scene().SetInstancer(kInner, scene.instancers[kInner],
+                              HdChangeTracker::DirtyInstanceIndex);
+    EXPECT_EQ(DumpOf(host), fresh);
 }
 
 TEST_F(Instancers, PrimMayMoveBelowAnInstancer) {

@@ -198,6 +198,15 @@ TEST_F(Lights, FiltersAreInThePictureAndTheirEditsToo) {
     EXPECT_TRUE(lit(12)) << "the doors are open";
     host.Scene().SetLight(path, Doors(path, Translation(-1.0, 0.0, 1.0), 0.25F), HdLight::AllDirty);
     EXPECT_FALSE(lit(middle)) << "the doors have moved";
+    host.Scene().Remove(path);
+    EXPECT_TRUE(lit(12)) << "without doors";
+    host.Scene().SetLight(path, Doors(path, Translation(0.0, 0.0, 1.0), 0.25F));
+    EXPECT_TRUE(lit(middle));
+    EXPECT_FALSE(lit(12)) << "behind doors that are back";
+    LightData lamp = host.Scene().Data().lights.at(SdfPath("/lamp"));
+    lamp.params[HdTokens->filters] = VtValue(SdfPathVector());
+    host.Scene().SetLight(SdfPath("/lamp"), lamp, HdLight::DirtyParams);
+    EXPECT_TRUE(lit(12)) << "doors of no light";
 }
 
 } // namespace

@@ -244,6 +244,49 @@ TEST_F(Prims, ComputedPointsEqualAuthoredOnes) {
     EXPECT_EQ(moved, RenderFresh(host, options));
 }
 
+/// Some delegates list normals of meshes whose points are computed: each edit carries those at
+/// rest.
+TEST_F(Prims, NormalsAtRestAreCarriedWhereOnlyPointsChange) {
+    const HostOptions options = Quick({TfToken("normal")});
+    const SdfPath computation("/computation");
+    const TfToken output("skinned");
+    const auto turned = [](const VtVec3fArray& rest, float degrees) {
+        ComputationData data;
+        data.inputs[TfToken("rest")] = VtValue(rest);
+        data.inputs[TfToken("degrees")] = VtValue(degrees);
+        data.numElements = rest.size();
+        data.output = TfToken("skinned");
+        data.run = [](const std::map<TfToken, VtValue>& inputs) {
+            const GfRotation turn(GfVec3d(0, 1, 0), inputs.at(TfToken("degrees")).Get<float>());
+            VtVec3fArray moved = inputs.at(TfToken("rest")).Get<VtVec3fArray>();
+            for (GfVec3f& point : moved) {
+                point = GfVec3f(turn.TransformDir(GfVec3d(point)));
+            }
+            return VtValue(moved);
+        };
+        return data;
+    };
+    SceneData scene = EmptyScene();
+    GprimData grid = MakeGrid(1.0F, 1.0F, 2, 2);
+    const auto rest = grid.FindPrimvar(HdTokens->points)->value.Get<VtVec3fArray>();
+    grid.SetPrimvar("normals", HdInterpolationVertex,
+                    VtValue(VtVec3fArray(rest.size(), GfVec3f(0.0F, 0.6F, 0.8F))),
+                    HdPrimvarRoleTokens->normal);
+    grid.computedPrimvars = {HdExtComputationPrimvarDescriptor(
+        HdTokens->points, HdInterpolationVertex, HdPrimvarRoleTokens->point, computation, output,
+        HdTupleType{HdTypeFloatVec3, 1})};
+    scene.gprims[SdfPath("/grid")] = grid;
+    scene.computations[computation] = turned(rest, 10.0F);
+    Host host(scene, options);
+    const Image first = host.Render(TfToken("normal"));
+    host.Scene().SetComputation(computation, turned(rest, 40.0F),
+                                HdExtComputation::DirtySceneInput);
+    host.Scene().SetGprim(SdfPath("/grid"), grid, HdChangeTracker::DirtyPoints);
+    const Image moved = host.Render(TfToken("normal"));
+    EXPECT_NE(moved, first);
+    EXPECT_EQ(moved, RenderFresh(host, options, TfToken("normal")));
+}
+
 TEST_F(Prims, OrderOfInsertionDoesNotMatter) {
     const SceneData scene = ThreeMeshes();
     Host forward(scene, Quick());

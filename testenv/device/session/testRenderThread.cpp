@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -267,6 +268,16 @@ TEST_F(RenderThreadTest, ErrorsConvergeAndAreNotTheEnd) {
     WaitUntilConverged(thread);
     EXPECT_EQ(thread.Newest()->error, "");
     EXPECT_FALSE(thread.Newest()->layers.empty());
+}
+
+TEST_F(RenderThreadTest, EditsThatThrowAreWarningsAndTheOthersCount) {
+    RenderThread thread;
+    thread.Post({Fill(), [](Session&) { throw std::runtime_error("an edit without memory"); },
+                 MoveBall(0.5)});
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.5))));
+    EXPECT_NE(thread.Newest()->statistics.find("an edit without memory"), std::string::npos);
 }
 
 TEST_F(RenderThreadTest, CallRunsBetweenRendersAndRethrows) {
