@@ -34,11 +34,13 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool HasSubdivided(const SceneDescription& scene) {
-    return std::any_of(scene.geometry.begin(), scene.geometry.end(), [](const auto& entry) {
-        const auto& geometry = entry.second.geometry;
-        return geometry && IsSubdivisionScheme(geometry->subdivisionScheme);
-    });
+/// Whether the camera decides how surfaces are diced.
+bool IsDicedByCamera(const SceneDescription& scene, const CommitOptions& options) {
+    return options.subdivision == Subdivision::Adaptive &&
+           std::any_of(scene.geometry.begin(), scene.geometry.end(), [](const auto& entry) {
+               const auto& geometry = entry.second.geometry;
+               return geometry && IsSubdivisionScheme(geometry->subdivisionScheme);
+           });
 }
 
 /// Textures of which all lines are made between two questions whether to go on.
@@ -301,7 +303,8 @@ CancelCallback Session::Impl::Reporting(const Settings& settings,
 
 void Session::Impl::ReadyDicing(const Settings& settings, const RenderOptions& options) {
     const bool isOfKind = dicingCamera && dicingCamera->isStill != settings.cameraMoves;
-    if (isOfKind && (settings.cameraMoves || !HasSubdivided(description))) {
+    if (isOfKind &&
+        (settings.cameraMoves || !IsDicedByCamera(description, MakeCommitOptions(settings)))) {
         return; // Another camera would be another commit.
     }
     dicingCamera = MakeDicingCamera(options);

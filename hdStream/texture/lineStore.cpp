@@ -27,7 +27,7 @@ PageKey LineStore::KeyOf(std::uint32_t group) const {
 bool LineStore::Has(std::uint32_t line) const {
     const std::uint32_t index = line / kGroupLines;
     return _groups[index].data.load(std::memory_order_acquire) != nullptr ||
-           (_store && _store->Contains(KeyOf(index)));
+           (_store && _store->Bytes(KeyOf(index)));
 }
 
 void LineStore::BeginFilling(std::uint32_t first) {

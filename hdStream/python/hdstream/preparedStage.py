@@ -98,7 +98,8 @@ class PreparedStage:
         framing = Framing(self.stage, self._session, renderSettings, values.get("imageWidth"),
                           values.get("imageHeight"), crop)
         camera = framing.SetCamera(cameraPrim, timeCode, shutter, settings)
-        self._session.Redice()  # surfaces are diced as for a fresh renderer, wherever the camera was before
+        if settings.cameraMoves:
+            self._session.Redice()  # as for a fresh renderer; else surfaces are diced for each picture's camera
         return Frame(settings, camera, FrameTime.Of(self.stage, timeCode), time.perf_counter() - start)
 
 
