@@ -99,6 +99,19 @@ _INSIDE = dict(eye=(0, 0, 0.9), target=(0, 0, -1), width=0.05)
 _SMALL = shapes.Sphere(0.4, 24, 48)
 
 
+@pytest.mark.parametrize("side, most", [(1, 2.0), (-1, 0.8)])  # the lamp is on the side of +z
+def test_bodies_of_one_medium_that_overlap_keep_their_own_links(tmp_path, side, most):
+    """Seen along both of them: behind the wall of the one that was entered first there is the other one alone."""
+    bodies = [(shapes.Box(1, 1, 1), dict(scattering=0.5), dict(translate=(0, 0, z))) for z in (0.3, -0.3)]
+    camera = dict(eye=(0, 0, 10 * side), width=0.8)
+    free = _Lit(tmp_path, "free", bodies, camera)
+    first = _Lit(tmp_path, "first", bodies, camera, excludes=["/World/Body1"])
+    second = _Lit(tmp_path, "second", bodies, camera, excludes=["/World/Body0"])
+    near, far = (first, second) if side > 0 else (second, first)  # where both are, the one that was entered last counts
+    assert near + far == pytest.approx(free, rel=1e-4, abs=1e-6)
+    assert 0.2 * far.mean() < near.mean() < most * far.mean()  # 0.6 of the way, and 1.0; 3.2 and more by the other's links
+
+
 @pytest.mark.parametrize("camera", [None, _INSIDE], ids=["outside", "inside"])
 def test_media_of_meshes_are_lit_by_what_is_linked_to_their_bodies(tmp_path, camera):
     """A body in a body: what leaves neither out lights both, and light on both is that on each, together."""
