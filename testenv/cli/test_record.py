@@ -314,7 +314,7 @@ def test_the_bar_says_how_much_is_left_before_samples(monkeypatch, capsys):
 
     with module.ProgressBar(False) as bar:
         for prims, chunks in (((0, 400), (0, 0)), ((100, 400), (0, 0)), ((400, 400), (0, 0)), ((400, 400), (20, 200))):
-            bar.Prepare(SimpleNamespace(prims=Count(*prims), chunks=Count(*chunks)))
+            bar.Prepare(SimpleNamespace(prims=Count(*prims), chunks=Count(*chunks), textures=Count(0, 0)))
             now[0] += 10.0
     shown = capsys.readouterr().err.split("\r")[1:]
     assert "planning prims: 0 of 400" in shown[0] and "left" not in shown[0]
