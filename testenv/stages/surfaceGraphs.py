@@ -57,7 +57,8 @@ def ReadLayer(document):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "document.mtlx")
         MaterialX.writeToXmlFile(document, path, options)
-        return materialXFiles._ReadLayer(path)
+        layer, _ = materialXFiles._ReadLayer(path)
+        return layer
 
 
 def CopyMaterial(layer, name: str, stage, path: str) -> UsdShade.Material:
