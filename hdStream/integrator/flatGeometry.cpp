@@ -11,8 +11,6 @@ namespace hds {
 
 namespace {
 
-/// Camera rays a triangle from which building pays: docs/accel.md, "The flat hierarchy".
-constexpr std::uint64_t kRaysATriangle = 3;
 /// Numbers of items have 32 bits.
 constexpr std::uint64_t kMaxTriangles = 1U << 29U;
 
@@ -43,7 +41,8 @@ private:
 
 std::uint64_t MaxFlatTriangles(const FlatLimits& limits) {
     const std::uint64_t affordable = std::min(limits.bytes / kFlatBytesATriangle, kMaxTriangles);
-    return limits.isForced ? affordable : std::min(affordable, limits.cameraRays / kRaysATriangle);
+    return limits.isForced ? affordable
+                           : std::min(affordable, limits.cameraRays / limits.raysATriangle);
 }
 
 bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedScene& scene,

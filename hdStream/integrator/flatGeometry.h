@@ -13,11 +13,17 @@
 
 namespace hds {
 
+/// Camera rays a triangle: docs/accel.md, "The flat hierarchy".
+constexpr std::uint64_t kFlatRaysATriangleCpu = 3;
+constexpr std::uint64_t kFlatRaysATriangleGpu = 100;
+
 /// What a flat hierarchy may be.
 struct FlatLimits {
     std::uint64_t cameraRays = 0; ///< that are still to be traced
-    std::uint64_t bytes = 0;      ///< of device memory
-    bool isForced = false;        ///< whatever it costs
+    /// From which building pays: it is work of the host's cores, however fast the device is.
+    std::uint64_t raysATriangle = kFlatRaysATriangleCpu;
+    std::uint64_t bytes = 0; ///< of device memory
+    bool isForced = false;   ///< whatever it costs
 };
 
 /// Triangles that are worth flattening: what rays save must pay for building.

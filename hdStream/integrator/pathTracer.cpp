@@ -71,8 +71,9 @@ struct PathTracer::Impl {
 
     /// Builds the flat hierarchy where rays will pay for it; hosts that edit wait for none.
     void ReadyHierarchy() {
-        if (!buffers.IsStreaming() && MayBeFlat(*scene, options, residency, device->Properties()) &&
-            buffers.Flatten(*scene, LimitsOfFlat(*scene, options, residency, buffers))) {
+        if (!buffers.IsStreaming() && MayBeFlat(*scene, options, residency) &&
+            buffers.Flatten(
+                *scene, LimitsOfFlat(*scene, options, residency, buffers, device->Properties()))) {
             ++sceneNumber;
             statistics.flattenSeconds = buffers.Flat().BuildSeconds();
         }

@@ -41,9 +41,10 @@ bool HasDispersion(const CommittedScene& scene) {
 }
 
 /// \param budgetBytes of the pool, which holds `poolBytes`.
-FlatLimits MakeFlatLimits(const RenderOptions& options, std::uint64_t budgetBytes,
-                          std::uint64_t poolBytes) {
+FlatLimits MakeFlatLimits(const RenderOptions& options, const DeviceProperties& properties,
+                          std::uint64_t budgetBytes, std::uint64_t poolBytes) {
     FlatLimits limits;
+    limits.raysATriangle = properties.isCpu ? kFlatRaysATriangleCpu : kFlatRaysATriangleGpu;
     limits.isForced = options.traversal == TraversalForm::Flat;
     limits.cameraRays = std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
     limits.bytes = budgetBytes - std::min(budgetBytes, poolBytes);
@@ -84,10 +85,11 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.cameraLens = NeedsLensKernels(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;
     features.simd8 = ChooseSimd8(options, properties);
-    features.flat = !isStreaming && MayBeFlat(scene, options, residency, properties) &&
-                    (buffers.Flat().IsThere() ||
-                     (buffers.IsStreaming() &&
-                      WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers))));
+    features.flat =
+        !isStreaming && MayBeFlat(scene, options, residency) &&
+        (buffers.Flat().IsThere() ||
+         (buffers.IsStreaming() &&
+          WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers, properties))));
     features.flatInstances = features.flat && buffers.Flat().HasInstances();
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;
@@ -115,20 +117,21 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
 }
 
 bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
-               const ResidencyOptions& residency, const DeviceProperties& properties) {
+               const ResidencyOptions& residency) {
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
     // What instance chunks hold is not walked to find out that it is most of the scene.
     const bool isMostFlat = options.traversal == TraversalForm::Flat || !scene.hasInstanceChunks ||
                             double{scene.flatPart} >= FlatAmount().minShare;
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && isMostFlat && ChooseSimd8(options, properties) && !scene.hasCatchers &&
-           residency.mode != ResidencyMode::Mapped;
+    return isAsked && isMostFlat && !scene.hasCatchers && residency.mode != ResidencyMode::Mapped;
 }
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,
-                        const ResidencyOptions& residency, const SceneBuffers& buffers) {
-    return MakeFlatLimits(options, buffers.Plan(scene, residency).budgetBytes, buffers.PoolBytes());
+                        const ResidencyOptions& residency, const SceneBuffers& buffers,
+                        const DeviceProperties& properties) {
+    return MakeFlatLimits(options, properties, buffers.Plan(scene, residency).budgetBytes,
+                          buffers.PoolBytes());
 }
 
 bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& options,
@@ -136,12 +139,12 @@ bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& option
     const std::uint64_t totalBytes = scene.pages->TotalBytes();
     const std::uint64_t budgetBytes =
         PlanResidency(residency, totalBytes, properties.memoryBytes).budgetBytes;
-    const FlatLimits limits = MakeFlatLimits(options, budgetBytes, totalBytes);
+    const FlatLimits limits = MakeFlatLimits(options, properties, budgetBytes, totalBytes);
     // Curves and points are not flattened: they count by their bytes. How many samples a limit of
     // time leaves is not known yet.
     return residency.mode == ResidencyMode::Auto && options.timeLimit == 0.0 &&
            totalBytes <= std::min(budgetBytes, MaxFlatTriangles(limits) * kPageBytesATriangle) &&
-           MayBeFlat(scene, options, residency, properties) && WillBeFlat(scene, limits);
+           MayBeFlat(scene, options, residency) && WillBeFlat(scene, limits);
 }
 
 } // namespace hds

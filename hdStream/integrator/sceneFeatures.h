@@ -20,10 +20,11 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
 /// Whether rays may walk a flat hierarchy where geometry is resident. Hosts that edit do not wait
 /// for one.
 bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
-               const ResidencyOptions& residency, const DeviceProperties& properties);
+               const ResidencyOptions& residency);
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,
-                        const ResidencyOptions& residency, const SceneBuffers& buffers);
+                        const ResidencyOptions& residency, const SceneBuffers& buffers,
+                        const DeviceProperties& properties);
 
 /// Whether "auto" had better have all geometry before the first ray: what rays save on the way
 /// through a flat hierarchy pays for it, unless most of it is hidden. Numbers: docs/streaming.md.

@@ -22,6 +22,7 @@
 #include "shading/previewSurface.clh"
 #include "shading/material.clh"
 #if HDS_LOBES
+#include "math/power.clh"
 #include "sample/ggxStretched.clh"
 #include "shading/layeredLobes.clh"
 #include "shading/albedo.clh"

@@ -4,6 +4,7 @@
  * Gems III). Part of shared/programMath.h. Explained in docs/materials.md. */
 #ifndef HDS_SHARED_PROGRAM_FLAKES_H
 #define HDS_SHARED_PROGRAM_FLAKES_H
+#include "shared/programFunctions.h"
 #include "shared/programNoise.h"
 #ifndef __OPENCL_VERSION__
 #include <cmath>
@@ -14,9 +15,7 @@
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
-using std::cos;
 using std::fabs;
-using std::sin;
 using std::sqrt;
 #endif
 
@@ -35,11 +34,11 @@ HDS_FUNCTION bool math_isInFlake(float4 p, float4 random) {
     const f32 phi = HDS_TURN * random.y;
     const f32 z = 2.0f * random.z;
     const f32 r = sqrt(z);
-    const f32 vx = sin(phi) * r;
-    const f32 vy = cos(phi) * r;
+    const f32 vx = math_sin(phi) * r;
+    const f32 vy = math_cos(phi) * r;
     const f32 vz = sqrt(2.0f - z);
-    const f32 sine = sin(theta);
-    const f32 cosine = cos(theta);
+    const f32 sine = math_sin(theta);
+    const f32 cosine = math_cos(theta);
     const f32 sx = vx * cosine - vy * sine;
     const f32 sy = vx * sine + vy * cosine;
     const f32 x = (vx * sx - cosine) * p.x + (vy * sx + sine) * p.y + vz * sx * p.z;

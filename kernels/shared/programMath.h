@@ -6,6 +6,7 @@
 #ifndef HDS_SHARED_PROGRAM_MATH_H
 #define HDS_SHARED_PROGRAM_MATH_H
 #include "shared/programFlakes.h"
+#include "shared/programFunctions.h"
 #include "shared/programNoise.h"
 #include "shared/programTiles.h"
 #ifndef __OPENCL_VERSION__
@@ -71,18 +72,9 @@
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
-using std::acos;
-using std::asin;
-using std::atan2;
 using std::ceil;
-using std::cos;
-using std::exp;
 using std::fabs;
-using std::log;
-using std::pow;
 using std::round;
-using std::sin;
-using std::tan;
 #endif
 
 HDS_FUNCTION f32 math_scalar1(u32 function, f32 a) {
@@ -100,19 +92,19 @@ HDS_FUNCTION f32 math_scalar1(u32 function, f32 a) {
     case HDS_MATH_SQRT:
         return sqrt(fmax(a, 0.0f));
     case HDS_MATH_EXP:
-        return exp(a);
+        return math_exp(a);
     case HDS_MATH_LN:
-        return log(a);
+        return math_log(a);
     case HDS_MATH_SIN:
-        return sin(a);
+        return math_sin(a);
     case HDS_MATH_COS:
-        return cos(a);
+        return math_cos(a);
     case HDS_MATH_TAN:
-        return tan(a);
+        return math_tan(a);
     case HDS_MATH_ASIN:
-        return asin(fmin(fmax(a, -1.0f), 1.0f));
+        return math_asin(fmin(fmax(a, -1.0f), 1.0f));
     default: /* HDS_MATH_ACOS */
-        return acos(fmin(fmax(a, -1.0f), 1.0f));
+        return math_acos(fmin(fmax(a, -1.0f), 1.0f));
     }
 }
 
@@ -129,13 +121,13 @@ HDS_FUNCTION f32 math_scalar2(u32 function, f32 a, f32 b) {
     case HDS_MATH_MODULO:
         return a - b * floor(a / b);
     case HDS_MATH_POWER:
-        return pow(a, b);
+        return math_pow(a, b);
     case HDS_MATH_MIN:
         return fmin(a, b);
     case HDS_MATH_MAX:
         return fmax(a, b);
     case HDS_MATH_ATAN2:
-        return atan2(a, b);
+        return math_atan2(a, b);
     case HDS_MATH_GREATER:
         return a > b ? 1.0f : 0.0f;
     case HDS_MATH_GREATER_OR_EQUAL:

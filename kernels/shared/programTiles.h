@@ -11,9 +11,7 @@
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
-using std::cos;
 using std::floor;
-using std::sin;
 using std::sqrt;
 #endif
 
@@ -57,9 +55,10 @@ HDS_FUNCTION float4 math_hextile(float4 st, float4 spread, float4 move) {
     const f32 scale = spread.z + spread.w * random.y;
     const f32 dx = (st.x - centreX) / scale;
     const f32 dy = (st.y - centreY) / scale;
-    return HDS_FLOAT4(dx * cos(angle) - dy * sin(angle) + centreX + move.x + move.y * random.x,
-                      dx * sin(angle) + dy * cos(angle) + centreY + move.x + move.y * random.y,
-                      weight, angle);
+    return HDS_FLOAT4(
+        dx * math_cos(angle) - dy * math_sin(angle) + centreX + move.x + move.y * random.x,
+        dx * math_sin(angle) + dy * math_cos(angle) + centreY + move.x + move.y * random.y, weight,
+        angle);
 }
 HDS_SHARED_END
 

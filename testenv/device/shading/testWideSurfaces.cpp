@@ -5,6 +5,7 @@
 #include "testenv/device/math/lanesFixture.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace hds::test {
 namespace {
@@ -55,6 +56,18 @@ HDS_TEST_STRUCT(ScatteredRay)
 HDS_TEST_STRUCT(LayeredSurface)
 #endif
 /* in: wo, wi, a normal, alphas, two numbers, eta. */
+#if HDS_LOBES
+void powers(const HdsTestContext* context, const Real* in, Real* out) {
+    out = put1(out, power_exp(in[0]));
+    out = put1(out, power_expm1(in[0]));
+    out = put1(out, power_tanh(in[0]));
+    out = put1(out, power_log(fabs(in[1])));
+    out = put1(out, power_pow(in[1], in[2]));
+    out = put1(out, power_pow(in[1], rint(in[2])));
+    out = put3(out, power_expOfEach(take3(in)));
+    out = put3(out, power_expm1OfEach(take3(in)));
+}
+#endif
 void microfacets(const HdsTestContext* context, const Real* in, Real* out) {
     const Real3 wo = take3(in);
     const Real3 wi = take3(in + 3);
@@ -162,6 +175,9 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
 )";
 
 const char* const kKernels = R"(
+#if HDS_LOBES
+HDS_TEST_FORMS(powers, 3, 12)
+#endif
 HDS_TEST_FORMS(microfacets, 14, 31)
 HDS_TEST_FORMS(scatters, 132, 54)
 HDS_TEST_LANES(Surface, 22)
@@ -293,6 +309,20 @@ TEST_P(WideSurfaces, MicrofacetsHaveTheSameBits) {
     const auto results =
         ExpectSameBits(*_program, "microfacetsForms", 80000, 31, AddMicrofacets, _arguments);
     EXPECT_EQ(CountConstant(results, 31), GetParam() != 0 ? 0U : 23U);
+}
+
+TEST_P(WideSurfaces, PowersHaveTheSameBits) {
+    if (GetParam() == 0) {
+        GTEST_SKIP() << "no lobe computes powers";
+    }
+    const auto add = [](LaneRandom& r, LaneCase& one) {
+        const float infinity = std::numeric_limits<float>::infinity();
+        one.Add({r.Is(16) ? infinity : r.Between(-110.0F, 95.0F)});
+        one.Add({r.Is(16) ? 0.0F : (r.Is(4) ? -1.0F : 1.0F) * r.Sized(-140.0F, 120.0F)});
+        one.Add({r.Is(16) ? -infinity : r.Between(-4.0F, 4.0F)});
+    };
+    const auto results = ExpectSameBits(*_program, "powersForms", 80000, 12, add, _arguments);
+    EXPECT_EQ(CountConstant(results, 12), 0U);
 }
 
 TEST_P(WideSurfaces, ScatteringHasTheSameBits) {
