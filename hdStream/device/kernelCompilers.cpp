@@ -189,7 +189,7 @@ KernelCompilers::~KernelCompilers() {
 
 bool KernelCompilers::CanCompile() const {
     const std::lock_guard<std::mutex> lock(_mutex);
-    return !_options.executable.empty() && _store->IsEnabled() && !_hasFailed;
+    return !_options.executable.empty() && _store->IsWriting() && !_hasFailed;
 }
 
 void KernelCompilers::Warm() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/poclCache.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -33,6 +34,13 @@ bool CanWrite(const fs::path& folder) {
     return !error && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
+/// Whether it is a folder of this user's that nobody else writes to: PoCL loads code from it.
+bool IsOurOwn(const fs::path& folder) {
+    struct stat status {};
+    return ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+           status.st_uid == ::getuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
 /// Work-around: PoCL (3.1 to 6) reports no device, or aborts, when it cannot create its own kernel
 /// cache, as with a read-only home folder in a container or on a farm. Points POCL_CACHE_DIR to a
 /// folder of ours in the temporary directory when it is not set and the folder PoCL would take
@@ -43,11 +51,19 @@ void EnsurePoclCache() {
         return;
     }
     std::error_code error;
-    const fs::path own =
-        fs::temp_directory_path(error) / ("hdStream-pocl-" + std::to_string(::getuid()));
-    if (!error && CanWrite(own)) {
-        ::setenv("POCL_CACHE_DIR", own.c_str(), 1);
+    const fs::path temporary = fs::temp_directory_path(error);
+    if (error) {
+        return;
     }
+    std::string own = (temporary / ("hdStream-pocl-" + std::to_string(::getuid()))).string();
+    ::mkdir(own.c_str(), S_IRWXU);
+    if (!IsOurOwn(own)) { // somebody else has made it
+        own += "-XXXXXX";
+        if (::mkdtemp(own.data()) == nullptr) {
+            return;
+        }
+    }
+    ::setenv("POCL_CACHE_DIR", own.c_str(), 1);
 }
 
 /// PoCL compiles a kernel for work-groups of any size when it hands out a binary, and once more for

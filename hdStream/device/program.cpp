@@ -148,7 +148,7 @@ std::vector<unsigned char> Program::Binary() const {
 void Program::SaveBinary(Store* store) {
     const std::string key = std::exchange(_unsavedKey, {});
     // A store that keeps nothing must not ask for what the driver may have to compile.
-    if (store == nullptr || !store->IsEnabled() || key.empty()) {
+    if (store == nullptr || !store->IsWriting() || key.empty()) {
         return;
     }
     const std::vector<unsigned char> binary = Binary();

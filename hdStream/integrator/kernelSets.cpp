@@ -79,7 +79,7 @@ StageKernels& KernelSets::Add(std::unique_ptr<StageKernels> kernels) {
 
 void KernelSets::Remember(const KernelFeatures& features) {
     const bool isKnown = _remembered && *_remembered == features;
-    if (_store != nullptr && _store->IsEnabled() && !isKnown) {
+    if (_store != nullptr && _store->IsWriting() && !isKnown) {
         _store->Save(kFeaturesKind, FeaturesKey(*_device), &features, sizeof(features));
         _remembered = features;
     }
@@ -187,7 +187,7 @@ KernelSets::Lack* KernelSets::FindLack(const KernelFeatures& features) {
 
 void KernelSets::AddGeneralSeconds(const KernelFeatures& features, double seconds) {
     Lack* lack = FindLack(features);
-    if (lack != nullptr && _store != nullptr && _store->IsEnabled()) {
+    if (lack != nullptr && _store != nullptr && _store->IsWriting()) {
         lack->generalSeconds += seconds;
         _store->Save(kSecondsKind, SecondsKey(*_device, features), &lack->generalSeconds,
                      sizeof(lack->generalSeconds));

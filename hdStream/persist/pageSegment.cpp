@@ -31,7 +31,8 @@ PageSegment::PageSegment(File file, std::uint64_t capacity)
     : _file(std::move(file)), _capacity(capacity), _process(::getpid()) {}
 
 std::shared_ptr<PageSegment> PageSegment::Open(const std::string& path, std::uint64_t mayGrowBy,
-                                               std::vector<IndexedPage>* pages) {
+                                               std::vector<IndexedPage>* pages,
+                                               Unreadable unreadable) {
     File file = File::Open(path);
     if (!file.IsOpen()) {
         return nullptr;
@@ -39,7 +40,9 @@ std::shared_ptr<PageSegment> PageSegment::Open(const std::string& path, std::uin
     SegmentHeader header{};
     if (!file.Read(0, &header, sizeof(header)) || !IsValid(header)) {
         // Another version's, damaged, or being made just now: then its maker holds the lock.
-        RemoveSegmentFile(path, file);
+        if (unreadable == Unreadable::Goes) {
+            RemoveSegmentFile(path, file);
+        }
         return nullptr;
     }
     std::shared_ptr<PageSegment> segment(new PageSegment(std::move(file), header.capacity));

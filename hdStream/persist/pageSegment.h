@@ -39,13 +39,17 @@ struct IndexedPage {
 /// is thread-safe.
 class PageSegment {
 public:
-    /// Opens a segment and appends its pages to `pages`, in the order they were saved. A file that
-    /// is damaged in its header or of another version is removed unless a process holds it.
+    /// What becomes of a file that is damaged in its header or of another version: it is removed
+    /// unless a process holds it, or left alone.
+    enum class Unreadable { Goes, Stays };
+
+    /// Opens a segment and appends its pages to `pages`, in the order they were saved.
     /// \param mayGrowBy claims it for appending if no process does, it is sound, and has room, but
     /// for no more than this many bytes; 0: only for reading.
     /// \return null if there is no such segment.
     static std::shared_ptr<PageSegment> Open(const std::string& path, std::uint64_t mayGrowBy,
-                                             std::vector<IndexedPage>* pages);
+                                             std::vector<IndexedPage>* pages,
+                                             Unreadable unreadable);
 
     /// Makes a segment for appending. \return null with errno; EEXIST: take another name.
     static std::shared_ptr<PageSegment> Create(const std::string& path, std::uint64_t capacity);

@@ -114,7 +114,9 @@ void PageStore::Impl::OpenSegments() {
     std::vector<IndexedPage> indexed;
     for (const std::string& path : ListSegments(options.directory)) {
         indexed.clear();
-        std::shared_ptr<PageSegment> segment = PageSegment::Open(path, mayGrowBy, &indexed);
+        std::shared_ptr<PageSegment> segment = PageSegment::Open(
+            path, mayGrowBy, &indexed,
+            options.isReadOnly ? PageSegment::Unreadable::Stays : PageSegment::Unreadable::Goes);
         if (segment == nullptr) {
             continue;
         }
@@ -213,6 +215,7 @@ bool PageStore::Impl::ReadyWriter() {
             return false;
         }
         writer.reset(); // the cache was cleared
+        isFull = false;
     } else if (writer != nullptr && writer->IsCut()) {
         writer.reset(); // pages that are left in it are read still
     }

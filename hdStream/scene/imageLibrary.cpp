@@ -27,7 +27,8 @@ std::optional<std::uint32_t> WrapFrom(const std::string& mode) {
 }
 
 TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::string& error) {
-    return {asset.authoredPath, info.width, info.height, info.channels, info.bytesDecoded, error};
+    return {asset.authoredPath, info.width,       info.height, info.channels,
+            info.bytesDecoded,  info.channelType, error};
 }
 
 } // namespace

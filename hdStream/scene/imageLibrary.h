@@ -20,6 +20,7 @@ struct TextureUse {
     std::uint32_t height = 0;
     std::uint32_t channels = 0;
     std::uint64_t bytesSource = 0; ///< decoded base level, as read
+    std::string channelType;       ///< of its widest channel, as ImageInfo has it
     std::string error;             ///< empty: it can be read
 };
 

@@ -12,16 +12,15 @@ namespace hds {
 
 namespace {
 
-/// A format that takes no less than the one the image will have: a conversion to another space may
-/// need more than 8 bits.
+/// A format that takes no less than the one the image will have (ChooseTextureForm): a conversion
+/// to another space may need more than 8 bits.
 std::uint32_t LargestFormat(const TextureUse& use, const std::string& colorSpace) {
-    const std::uint64_t texels = std::uint64_t{use.width} * use.height;
-    std::uint64_t bytes = use.bytesSource / std::max<std::uint64_t>(1, texels * use.channels);
     const bool isKept = colorSpace == "raw" || colorSpace == "sRGB" || colorSpace == "auto";
-    bytes = isKept ? bytes : std::max<std::uint64_t>(bytes, 2);
-    const std::uint32_t type = bytes <= 1   ? HDS_TEXEL_U8
-                               : bytes <= 2 ? HDS_TEXEL_HALF
-                                            : HDS_TEXEL_FLOAT;
+    const std::string& file = use.channelType;
+    const bool fitsHalf = file == "uint8" || file == "int8" || file == "uint16" || file == "half";
+    const std::uint32_t type = file == "uint8" && isKept ? HDS_TEXEL_U8
+                               : fitsHalf                ? HDS_TEXEL_HALF
+                                                         : HDS_TEXEL_FLOAT;
     return type | (use.channels > 2 ? 2U : use.channels - 1U);
 }
 

@@ -46,7 +46,7 @@ std::vector<std::string> PrepareKernels(const std::string& device, const std::st
     Warnings warnings;
     const std::shared_ptr<Device> chosen = Device::Create(device);
     Store store({directory, true}, &warnings);
-    if (!chosen->Properties().hasSlowBinaries || !store.IsEnabled()) {
+    if (!chosen->Properties().hasSlowBinaries || !store.IsWriting()) {
         return warnings.Lines();
     }
     chosen->SetCompilers(

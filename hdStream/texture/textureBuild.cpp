@@ -18,7 +18,7 @@ namespace hds {
 namespace {
 
 /// Bump when preparation gives other bytes for the same file.
-constexpr std::uint64_t kTextureVersion = 4;
+constexpr std::uint64_t kTextureVersion = 5;
 
 bool IsNamedSpace(const std::string& space) {
     return !space.empty() && space != "raw" && space != "sRGB" && space != "auto";

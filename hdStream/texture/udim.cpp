@@ -52,18 +52,25 @@ private:
 
 std::vector<UdimFile> FindInFolder(const std::string& pattern) {
     namespace fs = std::filesystem;
-    const fs::path path(pattern);
-    const TilePattern tiles(path.filename().string());
+    // The token may be in the name of a folder: what comes before, the name, what follows.
+    const std::size_t token = std::min(pattern.find(kToken), pattern.size());
+    const std::size_t nameBegin = pattern.rfind('/', token) + 1; // 0 where there is none
+    const std::size_t nameEnd = std::min(pattern.find('/', token), pattern.size());
+    const TilePattern tiles(pattern.substr(nameBegin, nameEnd - nameBegin));
     std::vector<UdimFile> files;
     if (!tiles.HasToken()) {
         return files;
     }
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const std::string folder = nameBegin > 0 ? pattern.substr(0, nameBegin) : ".";
+    const std::string rest = pattern.substr(nameEnd);
     std::error_code error;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
-        if (const auto index = tiles.IndexOf(entry->path().filename().string())) {
-            files.push_back({*index, {entry->path().string(), 0, 0}});
+        const auto index = tiles.IndexOf(entry->path().filename().string());
+        const std::string file = entry->path().string() + rest;
+        std::error_code ignored;
+        if (index && (rest.empty() || fs::exists(file, ignored))) {
+            files.push_back({*index, {file, 0, 0}});
         }
     }
     return files;

@@ -234,5 +234,32 @@ TEST_F(PageStoreTest, ClearFreesEverythingAndSavingGoesOn) {
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
+TEST_F(PageStoreTest, AFullCacheThatAnotherProcessClearsIsFilledAgain) {
+    PageStoreOptions options = Options();
+    options.maxBytes = 4U << 20U;
+    PageStore store(options, &warnings);
+    std::uint64_t number = 0;
+    while (number < 1000 && Save(&store, number, 60000)) {
+        ++number;
+    }
+    ASSERT_LT(number, 1000U) << "it never was full";
+    ASSERT_FALSE(Save(&store, 2000, 60000));
+    EXPECT_GT(PageStore(options, &warnings).Clear(), 0U);
+    EXPECT_TRUE(Save(&store, 3000, 60000));
+    EXPECT_TRUE(Has(&store, 3000, 60000));
+}
+
+TEST_F(PageStoreTest, WhoOnlyLooksRemovesNothing) {
+    std::filesystem::create_directories(folder.string());
+    const std::string path = folder.string() + "/pages-0123456789abcdef.hdsp";
+    std::ofstream(path) << "of another version";
+    PageStoreOptions options = Options();
+    options.isReadOnly = true;
+    PageStore looking(options, &warnings);
+    EXPECT_TRUE(std::filesystem::exists(path));
+    PageStore working(Options(), &warnings);
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 } // namespace
 } // namespace hds

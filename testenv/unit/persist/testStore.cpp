@@ -105,9 +105,56 @@ TEST_F(StoreTest, AnUnusableFolderWarnsOnce) {
     Store store = Open();
     store.Save("kind", "a", "x", 1);
     store.Save("kind", "b", "x", 1);
-    EXPECT_FALSE(store.IsEnabled());
+    EXPECT_FALSE(store.IsWriting());
     EXPECT_EQ(warnings.Lines().size(), 1U);
     EXPECT_NE(warnings.Lines()[0].find(folder.string()), std::string::npos);
+}
+
+TEST_F(StoreTest, WhatIsThereIsReadThoughNothingCanBeWritten) {
+    Store store = Open();
+    store.Save("kind", "good", "abc", 3);
+    store.Save("kind", "no/such/folder", "x", 1);
+    EXPECT_FALSE(store.IsWriting());
+    EXPECT_EQ(warnings.Lines().size(), 1U);
+    EXPECT_TRUE(store.Contains("kind", "good"));
+    EXPECT_TRUE(store.Load("kind", "good").has_value());
+    store.Save("kind", "other", "x", 1);
+    EXPECT_FALSE(store.Contains("kind", "other"));
+}
+
+TEST_F(StoreTest, WhatKilledWritersLeaveIsCountedAndCleared) {
+    Store store = Open();
+    store.Save("kind", "good", "abc", 3);
+    const std::uint64_t good = store.Size();
+    const fs::path fresh = folder / "kind-a.0123456789abcdef.tmp";
+    const fs::path old = folder / "kind-b.0123456789abcdef.tmp";
+    std::ofstream(fresh) << std::string(1000, 'x');
+    std::ofstream(old) << std::string(1000, 'x');
+    fs::last_write_time(old, fs::file_time_type::clock::now() - std::chrono::hours(2));
+    EXPECT_EQ(store.Size(), good + 2000U);
+    EXPECT_EQ(store.Keys("kind"), std::vector<std::string>{"good"});
+    store.Save("kind", "other", "abc", 3);
+    EXPECT_FALSE(fs::exists(old));
+    EXPECT_TRUE(fs::exists(fresh)) << "somebody may be writing it";
+    store.Clear();
+    EXPECT_FALSE(fs::exists(fresh));
+    EXPECT_EQ(store.Size(), 0U);
+}
+
+TEST_F(StoreTest, AnEntryThatIsReplacedStaysThere) {
+    Store store = Open(1U << 30U);
+    const auto data = Payload(300'000);
+    store.Save("kind", "key", data.data(), data.size());
+    std::thread writer([&] {
+        Store other = Open(1U << 30U);
+        for (std::size_t i = 0; i < 400; ++i) {
+            other.Save("kind", "key", data.data(), data.size() - 1000 * (i % 100));
+        }
+    });
+    for (int i = 0; i < 400; ++i) {
+        EXPECT_TRUE(store.Load("kind", "key").has_value()) << i;
+    }
+    writer.join();
 }
 
 TEST_F(StoreTest, TheLeastRecentlyUsedGoesFirst) {

@@ -43,6 +43,8 @@ TEST_F(TextureImagesTest, HeadersBoundTheLines) {
         textures.push_back(
             Texture(WriteImage(name + "d.png", 64, 64, channels, OIIO::TypeUInt8), "ACEScg", 1));
     }
+    textures.push_back(Texture(WriteImage("signed.tif", 256, 256, 1, OIIO::TypeInt16), "raw"));
+    textures.push_back(Texture(WriteImage("bytes.tif", 256, 256, 3, OIIO::TypeInt8), "raw"));
     textures.push_back(Texture(folder.File("missing.png")));
     for (const MaterialTexture& texture : textures) {
         const auto lines = Lines({texture});

@@ -326,6 +326,19 @@ TEST(ImageReader, MissingBlueIsZero) {
     EXPECT_EQ(mean.rgba[3], 1.0);
 }
 
+TEST(ImageReader, TheSecondOfThreeCoordinatesIsNoLuminance) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("position.exr");
+    Image image = MakeImage(9, 5, 3, OIIO::TypeFloat);
+    image.spec.channelnames = {"X", "Y", "Z"};
+    image.spec.alpha_channel = -1;
+    Write(file, image);
+    const Means mean = MeanColor(Whole(file), "auto");
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean.rgba[c], static_cast<double>(MeanOracle(image, c, false)), 2e-7) << c;
+    }
+}
+
 TEST(ImageReader, TwoChannelsAreGrayAndAlphaWhateverTheirNames) {
     const TemporaryFolder folder;
     const std::string file = folder.File("two.exr");

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 namespace hds {
@@ -25,6 +26,19 @@ TEST(UdimTest, FilesAreFoundByTheirNumber) {
     EXPECT_EQ(files[0].place.size, 0U); // all of it
     EXPECT_TRUE(FindUdimFiles(folder.File("nowhere/a.<UDIM>.png")).empty());
     EXPECT_TRUE(FindUdimFiles(folder.File("a.1001.png")).empty());
+}
+
+TEST(UdimTest, TheTokenMayNameFolders) {
+    const test::TemporaryFolder folder;
+    for (const char* name : {"1001", "1012", "1013"}) {
+        std::filesystem::create_directory(folder.File(name));
+    }
+    std::ofstream(folder.File("1001/a.png")) << "x";
+    std::ofstream(folder.File("1012/a.png")) << "x";
+    const std::vector<UdimFile> files = FindUdimFiles(folder.File("<UDIM>/a.png"));
+    ASSERT_EQ(files.size(), 2U);
+    EXPECT_EQ(files[1].index, 11U);
+    EXPECT_EQ(files[1].place.file, folder.File("1012/a.png"));
 }
 
 TEST(UdimTest, TilesAreNamed) {
