@@ -89,6 +89,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
                      (buffers.IsStreaming() &&
                       WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers))));
     features.flatInstances = features.flat && buffers.Flat().HasInstances();
+    features.flatCopies = features.flat && buffers.Flat().NumCopies() > 0;
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;
     features.rayVisibility = scene.hasRayVisibility;
