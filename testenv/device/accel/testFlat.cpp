@@ -239,6 +239,43 @@ TEST_F(FlatBvhTest, TellsCutoutsFromBlockers) {
     ExpectSameHits(built, rays, kCopies);
 }
 
+TEST_F(FlatBvhTest, CopiesAreSeenByWhomTheyAreForAndGoneOnBehind) {
+    UniformSource uniform(47);
+    AccelScene built;
+    const std::array<std::uint32_t, 2> meshes = {built.AddMesh(BumpySphere(9), 100),
+                                                 built.AddMesh(Box(0.6F), 100)};
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const glm::dvec3 away = 2.5 * glm::dvec3(uniform.Vector());
+        const std::uint32_t hidden = i % 3 == 0 ? std::uint32_t{HDS_INSTANCE_CAMERA} : 0U;
+        placements.push_back(
+            {meshes[i % 2], glm::translate(glm::dmat4(1.0), away), HDS_INSTANCE_SEEN & ~hidden});
+    }
+    built.SetRoot(placements);
+    const DeviceAccelScene scene(device, built, kCopies);
+    ASSERT_EQ(scene.Flat().numCopies, 60U);
+    const std::vector<ProbeRay> rays = MixedRays(2000);
+    const TraversalProbe flat(device, AccelForm::Flat);
+    const TraversalProbe levels(device, AccelForm::Simd8);
+    const Hits ofAll = levels.Closest(scene, rays, 0U);
+    const Hits seen = levels.Closest(scene, rays, HDS_INSTANCE_CAMERA);
+    EXPECT_GT(CountDifferentBits(ofAll, seen), 50U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, 0U), ofAll), 0U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, HDS_INSTANCE_CAMERA), seen), 0U);
+    std::vector<ProbeKey> after(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (IsHit(ofAll[i])) {
+            std::memcpy(after[i].word, &ofAll[i].t, sizeof(float));
+            after[i].word[1] = ofAll[i].pathIndex[0];
+            after[i].word[2] = ofAll[i].pathIndex[1];
+            after[i].word[3] = HDS_NONE; // all of that place
+        }
+    }
+    const Hits behind = levels.Closest(scene, rays, 0U, after);
+    EXPECT_GT(CountDifferentBits(ofAll, behind), 200U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, 0U, after), behind), 0U);
+}
+
 // Cameras without a focal length make such rays.
 TEST_F(FlatBvhTest, TakesRaysThatAreNone) {
     const MixedScene mixed(false, true);
