@@ -32,6 +32,8 @@ constexpr double kMaxDeepGrowth = 9.0;
 constexpr double kTolerance = 1.0 + 1e-5;
 /// What a copy takes beside its mesh's tree, in triangles.
 constexpr double kTrianglesACopy = 2.0;
+/// On the way each takes some 500 bytes.
+constexpr double kMaxCopies = 1U << 18U;
 
 shared::HdsPageHeader HeaderOf(const std::uint8_t* page) {
     shared::HdsPageHeader header{};
@@ -119,6 +121,7 @@ public:
             return;
         }
         double held = 0.0;
+        double numCopies = 0.0;
         double taken = 0.0; // of those that are placed
         double placed = 0.0;
         std::vector<Placed> order = ListRecords(&placed);
@@ -138,10 +141,12 @@ public:
             const bool isCopied =
                 (hasManyCopies && held + added > amount.manyTriangles) || held + added > most;
             const double ofCopies = kTrianglesACopy * traits.numMeshes;
-            if (isCopied &&
-                held + traits.numUnique + ofCopies * static_cast<double>(records.size()) > most) {
+            const auto numRecords = static_cast<double>(records.size());
+            if (isCopied && (held + traits.numUnique + ofCopies * numRecords > most ||
+                             numCopies + traits.numMeshes * numRecords > kMaxCopies)) {
                 continue;
             }
+            numCopies += isCopied ? traits.numMeshes * numRecords : 0.0;
             bool isFirst = true;
             for (const std::uint32_t record : records) {
                 if (AddPlaces(record, isCopied)) {
