@@ -28,8 +28,10 @@ struct FlatSource {
 /// A finished flat hierarchy.
 struct FlatBvh {
     HugeVector<std::uint8_t> buffer; ///< empty: there is nothing, or it would be too deep
-    std::uint64_t numTriangles = 0;  ///< flattened ones, each as often as it is placed
-    bool hasInstances = false;       ///< some instances of the TLAS are not flattened
+    /// That it holds: flattened ones as often as they are placed, those of copies once.
+    std::uint64_t numTriangles = 0;
+    std::uint64_t numCopies = 0; ///< placements of meshes that have trees of their own
+    bool hasInstances = false;   ///< some instances of the TLAS are not in it
 };
 
 /// About what a flat hierarchy takes.
@@ -37,20 +39,20 @@ constexpr std::uint64_t kFlatBytesATriangle = 80;
 
 /// How much is flattened.
 struct FlatAmount {
-    std::uint64_t maxTriangles = 0; ///< each as often as it is placed
-    /// Of what an instance of the TLAS places: copies of meshes that fit the caches of a CPU push
-    /// each other out of them (docs/accel.md).
+    std::uint64_t maxTriangles = 0; ///< that the hierarchy holds
+    /// Of what an instance of the TLAS places: flattened copies of meshes that fit the caches of a
+    /// CPU push each other out of them (docs/accel.md).
     double maxCopies = 4.0;
-    /// Of all that is placed at least so much is flattened, or nothing.
+    /// Of all that is placed at least so much is flattened or a copy, or nothing.
     double minShare = 0.5;
     double manyTriangles = 1.5e6; ///< up to which maxCopies does not count
 };
 
-/// Flattens instances of the TLAS, those of objects that are placed least often first. Not
-/// flattened are curves and points, what moves, meshes below more than
-/// HDS_FLAT_MAX_RECORDS instances, and instances that are sheared so strongly that boxes in world
-/// space could not be padded for it. Uses all cores; the result does not depend on their number.
-/// Memory on the way, beside the result: about 50 bytes a triangle.
+/// Flattens instances of the TLAS, those of objects that are placed least often first; meshes that
+/// are placed too often for that have trees of their own. Instances stay curves and points, what
+/// moves, meshes below more than HDS_FLAT_MAX_RECORDS instances, and instances that are sheared so
+/// strongly that boxes in world space could not be padded for it. Uses all cores; the result does
+/// not depend on their number. Memory on the way, beside the result: about 50 bytes a triangle.
 FlatBvh BuildFlatBvh(const FlatSource& source, const FlatAmount& amount);
 
 } // namespace hds

@@ -30,6 +30,10 @@ constexpr int kDeepMarginExponent = -16;
 constexpr double kMaxGrowth = 3.0;
 constexpr double kMaxDeepGrowth = 9.0;
 constexpr double kTolerance = 1.0 + 1e-5;
+/// What a copy takes beside its mesh's tree, in triangles.
+constexpr double kTrianglesACopy = 2.0;
+/// On the way each takes some 500 bytes.
+constexpr double kMaxCopies = 1U << 18U;
 
 shared::HdsPageHeader HeaderOf(const std::uint8_t* page) {
     shared::HdsPageHeader header{};
@@ -91,6 +95,7 @@ struct ObjectTraits {
     std::uint32_t records = 0; ///< below it, on the longest way
     double numTriangles = 0.0; ///< or other primitives, each as often as it is placed below it
     double numUnique = 0.0;    ///< each once in every object it is placed in
+    double numMeshes = 0.0;    ///< each as often as it is placed below it
 };
 
 /// Where a walk down the groups is.
@@ -102,6 +107,7 @@ struct Way {
     glm::dmat4 objectFromWorld{1.0};
     glm::dmat3 size{1.0}; ///< product of the linear parts' absolute values
     bool isInPlace = true;
+    bool isCopied = false; ///< the meshes have trees of their own
 };
 
 class PlaceFinder {
@@ -114,7 +120,9 @@ public:
         if (root.numItems == 0 || root.numItems > kMaxInstances) {
             return;
         }
-        double total = 0.0;
+        double held = 0.0;
+        double numCopies = 0.0;
+        double taken = 0.0; // of those that are placed
         double placed = 0.0;
         std::vector<Placed> order = ListRecords(&placed);
         std::stable_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
@@ -125,24 +133,37 @@ public:
             const ObjectTraits& traits = TraitsOf(object);
             const double added = traits.numTriangles * static_cast<double>(records.size());
             placed += added;
-            const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
-            if (!traits.isFlat || traits.records >= HDS_FLAT_MAX_RECORDS ||
-                (hasManyCopies && total + added > amount.manyTriangles) ||
-                total + added > static_cast<double>(amount.maxTriangles)) {
+            if (!traits.isFlat || traits.records >= HDS_FLAT_MAX_RECORDS) {
                 continue;
             }
+            const auto most = static_cast<double>(amount.maxTriangles);
+            const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
+            const bool isCopied =
+                (hasManyCopies && held + added > amount.manyTriangles) || held + added > most;
+            const double ofCopies = kTrianglesACopy * traits.numMeshes;
+            const auto numRecords = static_cast<double>(records.size());
+            if (isCopied && (held + traits.numUnique + ofCopies * numRecords > most ||
+                             numCopies + traits.numMeshes * numRecords > kMaxCopies)) {
+                continue;
+            }
+            numCopies += isCopied ? traits.numMeshes * numRecords : 0.0;
+            bool isFirst = true;
             for (const std::uint32_t record : records) {
-                if (AddPlaces(record)) {
+                if (AddPlaces(record, isCopied)) {
                     isFlat.insert(record);
-                    total += traits.numTriangles;
+                    taken += traits.numTriangles;
+                    held += isCopied ? ofCopies : traits.numTriangles;
+                    held += isCopied && isFirst ? traits.numUnique : 0.0;
+                    isFirst = false;
                 }
             }
         }
-        if (total < amount.minShare * placed) {
+        if (taken < amount.minShare * placed) {
             _places = {};
             return;
         }
         AddTransforms();
+        AddCopies();
         AddInstances(isFlat);
     }
 
@@ -210,6 +231,7 @@ private:
                 traits.isFlat = traits.isFlat && below.isFlat;
                 traits.records = std::max(traits.records, below.records + 1);
                 traits.numTriangles += below.numTriangles;
+                traits.numMeshes += below.numMeshes;
                 if (known.insert(instance.object).second) {
                     traits.numUnique += below.numUnique;
                 }
@@ -227,14 +249,17 @@ private:
                 traits.numTriangles += NumPrimitivesOfPage(page);
             }
             traits.numUnique = traits.numTriangles;
+            traits.numMeshes = 1.0;
         }
         return _traits.emplace(index, traits).first->second;
     }
 
     /// Adds the places below a record of the TLAS. \return false, and none, when one cannot be.
-    bool AddPlaces(std::uint32_t record) {
+    bool AddPlaces(std::uint32_t record, bool isCopied) {
         const std::size_t numPlaces = _places.places.size();
-        if (Descend(record, Way())) {
+        Way way;
+        way.isCopied = isCopied;
+        if (Descend(record, way)) {
             return true;
         }
         _places.places.resize(numPlaces);
@@ -271,6 +296,7 @@ private:
         placement.object = instance.object;
         placement.worldFromObject = glm::inverse(way.objectFromWorld);
         placement.isInPlace = way.isInPlace;
+        placement.isCopy = way.isCopied;
         placement.marginExponent = way.count == 1 ? kMarginExponent : kDeepMarginExponent;
         const glm::dmat3 growth = Abs(glm::dmat3(placement.worldFromObject)) * way.size;
         const double largest = way.count == 1 ? kMaxGrowth : kMaxDeepGrowth;
@@ -311,6 +337,70 @@ private:
             _places.places[index].firstTransform = found->second;
             _places.places[index].numTransforms = placement.numRecords;
         }
+    }
+
+    /// Boxes of copies, and their meshes.
+    void AddCopies() {
+        std::map<std::uint32_t, std::vector<Bounds>> boxesOf; // objects, in their space
+        for (std::uint32_t place = 0; place < _places.places.size(); ++place) {
+            const FlatPlacement& placement = _places.placements[place];
+            if (!placement.isCopy) {
+                continue;
+            }
+            const auto [found, isNew] = boxesOf.try_emplace(placement.object);
+            if (isNew) {
+                found->second = BoxesOfMesh(placement.object);
+                FlatPlacement own;
+                own.object = placement.object;
+                own.isInPlace = true;
+                own.marginExponent = kMarginExponent;
+                _places.meshes.push_back(own);
+            }
+            _places.copies.push_back({place, BoundsOf(found->second, placement)});
+        }
+    }
+
+    /// Boxes that hold a mesh: those in the roots of its chunks, or of its top tree where it has
+    /// many.
+    std::vector<Bounds> BoxesOfMesh(std::uint32_t index) const {
+        constexpr std::uint32_t kManyChunks = 8;
+        const shared::HdsObject object = ObjectOf(_objects, index);
+        std::vector<Bounds> boxes;
+        if (object.numItems > kManyChunks) {
+            AddBoxesOf(_source.topNodes[object.nodeBase], &boxes);
+            return boxes;
+        }
+        for (std::uint32_t i = 0; i < object.numItems; ++i) {
+            const std::uint8_t* page = _source.page(object.itemBase + i);
+            AddBoxesOf(
+                *reinterpret_cast<const shared::HdsBvhNode*>(page + sizeof(shared::HdsPageHeader)),
+                &boxes);
+        }
+        return boxes;
+    }
+
+    static void AddBoxesOf(const shared::HdsBvhNode& node, std::vector<Bounds>* boxes) {
+        for (int slot = 0; slot < 8; ++slot) {
+            const bool isInner = (node.exponentsImask >> (24 + slot) & 1U) != 0;
+            if (isInner || (node.meta[slot / 4] >> (8 * (slot % 4)) & 0xffU) != 0) {
+                boxes->push_back(ExactBoxOf(node, slot));
+            }
+        }
+    }
+
+    /// What holds the boxes in the place, widened.
+    static Bounds BoundsOf(const std::vector<Bounds>& boxes, const FlatPlacement& placement) {
+        const glm::dmat3 size = Abs(glm::dmat3(placement.worldFromObject));
+        glm::dvec3 lo(std::numeric_limits<double>::infinity());
+        glm::dvec3 hi(-lo);
+        for (const Bounds& box : boxes) {
+            const glm::dvec3 middle = 0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max));
+            const glm::dvec3 half = size * (0.5 * (glm::dvec3(box.max) - glm::dvec3(box.min)));
+            const glm::dvec3 moved(placement.worldFromObject * glm::dvec4(middle, 1.0));
+            lo = glm::min(lo, moved - half);
+            hi = glm::max(hi, moved + half);
+        }
+        return WidenForFlat(lo, hi, placement.marginExponent);
     }
 
     /// Those of the TLAS that are not flattened, with the boxes that its nodes have; of boxes that
@@ -359,18 +449,30 @@ private:
     }
 
     static Bounds BoxOf(const shared::HdsBvhNode& node, int slot) {
-        glm::dvec3 lo;
-        glm::dvec3 hi;
+        const Bounds box = ExactBoxOf(node, slot);
+        return WidenForFlat(glm::dvec3(box.min), glm::dvec3(box.max), kDeepMarginExponent);
+    }
+
+    /// Rounded outwards.
+    static Bounds ExactBoxOf(const shared::HdsBvhNode& node, int slot) {
+        Bounds box;
         for (int axis = 0; axis < 3; ++axis) {
             const int exponent = static_cast<int>(node.exponentsImask >> (8 * axis) & 0xffU) - 127;
             const auto plane = [&](const std::uint32_t* words) {
                 const std::uint32_t q = words[slot / 4] >> (8 * (slot % 4)) & 0xffU;
                 return double{node.origin[axis]} + std::ldexp(double(q), exponent);
             };
-            lo[axis] = plane(node.qlo[axis]);
-            hi[axis] = plane(node.qhi[axis]);
+            box.min[axis] = RoundDown(plane(node.qlo[axis]));
+            box.max[axis] = -RoundDown(-plane(node.qhi[axis]));
         }
-        return WidenForFlat(lo, hi, kDeepMarginExponent);
+        return box;
+    }
+
+    static float RoundDown(double value) {
+        const auto rounded = static_cast<float>(value);
+        return double{rounded} <= value
+                   ? rounded
+                   : std::nextafter(rounded, -std::numeric_limits<float>::infinity());
     }
 
     const FlatSource& _source;

@@ -24,6 +24,13 @@ struct FlatPlacement {
     std::uint32_t numRecords = 0;
     /// Boxes are widened by 2^this of their largest coordinate (docs/accel.md, "Padding").
     int marginExponent = 0;
+    bool isCopy = false; ///< of a mesh with a tree of its own
+};
+
+/// A place whose mesh has a tree of its own.
+struct FlatCopy {
+    std::uint32_t place = 0;
+    Bounds bounds; ///< in world space, widened
 };
 
 /// An instance of the TLAS that stays one.
@@ -36,6 +43,8 @@ struct FlatInstance {
 struct FlatPlaces {
     std::vector<shared::HdsFlatPlace> places;
     std::vector<FlatPlacement> placements; ///< [places.size()]
+    std::vector<FlatCopy> copies;
+    std::vector<FlatPlacement> meshes; ///< of copies, each once, in its own space
     std::vector<shared::HdsFlatTransform> transforms;
     std::vector<FlatInstance> instances;
 };

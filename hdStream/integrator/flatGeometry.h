@@ -41,6 +41,8 @@ public:
 
     bool IsThere() const { return _flat.numTriangles > 0; }
     bool HasInstances() const { return _flat.hasInstances; }
+    /// Placements of meshes that have trees of their own.
+    std::uint64_t NumCopies() const { return _flat.numCopies; }
     std::uint64_t NumTriangles() const { return _flat.numTriangles; }
     std::uint64_t Bytes() const { return _buffer.Bytes(); }
     /// Of the last Build that built; 0 after Clear.

@@ -26,6 +26,7 @@ KernelFeatures MakeGeneral(const KernelFeatures& features, bool isLayered) {
     general.simd8 = features.simd8;
     general.flat = features.flat;
     general.flatInstances = features.flat;
+    general.flatCopies = features.flat;
     general.streaming = features.streaming;
     general.firstHits = features.firstHits;
     general.textures = true;

@@ -91,6 +91,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
           WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers, properties))));
     features.simd8 = features.flat || ChooseSimd8(options, properties);
     features.flatInstances = features.flat && buffers.Flat().HasInstances();
+    features.flatCopies = features.flat && buffers.Flat().NumCopies() > 0;
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;
     features.rayVisibility = scene.hasRayVisibility;

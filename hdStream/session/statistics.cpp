@@ -82,6 +82,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"pinnedBytes", buffers.PinnedBytes()},
             {"alwaysResidentBytes", alwaysResidentBytes},
             {"flatTriangles", buffers.Flat().NumTriangles()},
+            {"flatCopies", buffers.Flat().NumCopies()},
             {"flatBytes", buffers.Flat().Bytes()},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0
  * The flat hierarchy: one BVH in world space over the triangles of placed meshes, with boxes of
  * floats and leaves that hold vertices. It takes the place of TLAS, groups, top trees and the BVHs
- * of chunks where everything is resident, and finds the same hits. All of it lies in one buffer:
- * the header, nodes, leaves, places and their transforms. Explained in docs/accel.md. */
+ * of chunks where everything is resident, and finds the same hits. A mesh of many copies has a tree
+ * of its own, in its own space, and the BVH in world space has a box for each copy. All of it lies
+ * in one buffer: the header, nodes, leaves, places and their transforms. Explained in
+ * docs/accel.md. */
 #ifndef HDS_SHARED_FLAT_BVH_H
 #define HDS_SHARED_FLAT_BVH_H
 #include "shared/compat.h"
 
-/* HdsFlatNode.child: bits 31..30 kind, 29..0 the node, the leaf, or the record of an instance that
- * is not flattened: of one in an instance chunk HDS_FLAT_IN_CHUNK and its number without
- * HDS_RECORD_IN_CHUNK, which takes the other 29 bits. */
+/* HdsFlatNode.child: bits 31..30 kind, 29..0 the node, the place of a copy, the leaf, or the record
+ * of an instance that is not flattened: of one in an instance chunk HDS_FLAT_IN_CHUNK and its
+ * number without HDS_RECORD_IN_CHUNK, which takes the other 29 bits. */
 #define HDS_FLAT_NODE 0u
+#define HDS_FLAT_COPY 0x40000000u
 #define HDS_FLAT_LEAF 0x80000000u
 #define HDS_FLAT_INSTANCE 0xc0000000u
 #define HDS_FLAT_KIND 0xc0000000u
@@ -26,7 +29,7 @@
 #define HDS_FLAT_MAX_RECORDS 3
 
 HDS_SHARED_BEGIN
-/* Begins the buffer; nodes follow, root first. */
+/* Begins the buffer; nodes follow, root first, then those of the trees of copies. */
 typedef struct {
     u32 leaves;     /* offset of HdsFlatLeaf[] */
     u32 places;     /* offset of HdsFlatPlace[] */
@@ -35,8 +38,9 @@ typedef struct {
 } HdsFlatHeader;
 HDS_ASSERT_SIZE(HdsFlatHeader, 64);
 
-/* Eight boxes in world space, per axis; a slot without a child is inside out and infinite, and
- * leads to leaf 0, which holds nothing: only rays without a direction come to it. */
+/* Eight boxes per axis, in world space or, in the tree of a mesh, in its own; a slot without a
+ * child is inside out and infinite, and leads to leaf 0, which holds nothing: only rays without a
+ * direction come to it. */
 typedef struct {
     f32 lo[3][8];
     f32 hi[3][8];
@@ -45,7 +49,8 @@ typedef struct {
 } HdsFlatNode;
 HDS_ASSERT_SIZE(HdsFlatNode, 256);
 
-/* Up to four triangles of one chunk in one place. Lanes without a triangle have equal corners. */
+/* Up to four triangles of one chunk in one place; the place means nothing in the tree of a mesh.
+ * Lanes without a triangle have equal corners. */
 typedef struct {
     f32 positions[3][3][HDS_FLAT_TRIANGLES]; /* per corner, per axis; object space */
     u32 place;
@@ -71,7 +76,7 @@ typedef struct {
     u32 firstTransform; /* on the way, from the TLAS inwards; places with equal ones share them */
     u32 numTransforms;
     u32 pathIndex[2]; /* low, high */
-    u32 unused;
+    u32 root;         /* of a copy: the root of its mesh's tree */
 } HdsFlatPlace;
 HDS_ASSERT_SIZE(HdsFlatPlace, 32);
 HDS_SHARED_END

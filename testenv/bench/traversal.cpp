@@ -257,6 +257,9 @@ public:
         if (!_scene.Flat().hasInstances) {
             defines["HDS_FEATURE_FLAT_INSTANCES"] = "0";
         }
+        if (_scene.Flat().numCopies == 0) {
+            defines["HDS_FEATURE_FLAT_COPIES"] = "0";
+        }
         defines.merge(test::DefinesOf(form));
         _program = std::make_unique<Program>(device, "bench.cl", defines, nullptr, &text);
     }

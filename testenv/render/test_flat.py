@@ -8,7 +8,7 @@ pytest.importorskip("hdstream._core")
 import hdstream
 import ours
 from pxr import Usd
-from stages import author, crowd, motion, shapes, streaming
+from stages import author, bench, crowd, motion, shapes, streaming
 from stages.verify import CASES
 
 _AOVS = ("color", "depth", "instanceId", "primId", "elementId")
@@ -37,6 +37,18 @@ def test_groups_and_what_stays_an_instance(tmp_path):
     stage = f"{tmp_path}/nested.usda"
     streaming.WriteNested(stage)
     _AssertSameBits(*_OnlyFlat(stage))
+
+
+def test_copies_have_trees_of_their_own(tmp_path):
+    """What rays do not pay for in each place is there once."""
+    stage = f"{tmp_path}/forest.usda"
+    bench.WriteForest(stage, instances=150, species=2, leaves=300)
+    copies, levels = (ours.Render(stage, *_SIZE, _AOVS, samples=16, residency="resident", **settings) for settings in (
+        {}, dict(traversal="simd8")))
+    _AssertSameBits(copies, levels)
+    geometry = copies.statistics["geometry"]
+    assert geometry["flatCopies"] == 150 and levels.statistics["geometry"]["flatCopies"] == 0
+    assert geometry["flatTriangles"] == geometry["triangles"], "each once"
 
 
 def test_curves_stay_instances(tmp_path):

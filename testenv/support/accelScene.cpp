@@ -255,7 +255,8 @@ ProgramDefines DefinesOf(AccelForm form) {
     const char* isFlat = form == AccelForm::Flat ? "1" : "0";
     ProgramDefines defines = {{"HDS_TRAVERSAL_SIMD8", form == AccelForm::Scalar ? "0" : "1"},
                               {"HDS_FEATURE_FLAT", isFlat},
-                              {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
+                              {"HDS_FEATURE_FLAT_INSTANCES", isFlat},
+                              {"HDS_FEATURE_FLAT_COPIES", isFlat}};
     if (form == AccelForm::Flat) {
         defines["HDS_FEATURE_INSTANCE_CHUNKS"] = "0"; // hits have the names that tests expect
     }

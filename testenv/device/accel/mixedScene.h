@@ -71,6 +71,9 @@ struct MixedScene {
     }
 };
 
+/// In the flat hierarchy all meshes have trees of their own, however often they are placed.
+inline const AccelUpload kCopies = {1, {}, {1U << 28U, 0.0, 0.0, 0.0}};
+
 /// Random, axis-parallel (with +0 and -0), from far away, and bounded rays.
 inline std::vector<ProbeRay> MixedRays(std::size_t count) {
     UniformSource uniform(11);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace hds::test {
 namespace {
@@ -31,10 +32,12 @@ protected:
 };
 
 TEST_F(FlatBvhTest, MatchesBruteForceWhereAllIsFlat) {
-    for (const bool isWide : {false, true}) {
+    for (const auto& [isWide, areCopies] : {std::pair(false, false), std::pair(true, false),
+                                            std::pair(false, true), std::pair(true, true)}) {
         const MixedScene mixed(isWide, true);
-        const DeviceAccelScene scene(device, mixed.scene);
-        ASSERT_GT(scene.Flat().numTriangles, 20000U);
+        const DeviceAccelScene scene(device, mixed.scene, areCopies ? kCopies : AccelUpload());
+        ASSERT_GT(scene.Flat().numTriangles, areCopies ? 2000U : 20000U);
+        ASSERT_EQ(scene.Flat().numCopies > 20, areCopies);
         ASSERT_FALSE(scene.Flat().hasInstances);
         const std::vector<ProbeRay> rays = MixedRays(2500);
         const Hits expected = TraversalProbe(device, AccelForm::Scalar).BruteForce(scene, rays);
@@ -54,6 +57,8 @@ TEST_F(FlatBvhTest, WalksInstancesThatAreNotFlattened) {
     ASSERT_TRUE(scene.Flat().hasInstances);
     ASSERT_GT(scene.Flat().numTriangles, 0U);
     EXPECT_GT(ExpectSameHits(mixed.scene, MixedRays(2500)), 250U);
+    ASSERT_TRUE(DeviceAccelScene(device, mixed.scene, kCopies).Flat().hasInstances);
+    ExpectSameHits(mixed.scene, MixedRays(2500), kCopies);
 }
 
 TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
@@ -73,8 +78,9 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
           FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll - 1)}}) {
         const DeviceAccelScene scene(device, built, {1, {}, amount});
         const FlatBvh& flat = scene.Flat();
-        EXPECT_EQ(ofAll - flat.numTriangles, 40 * 12U) << "the boxes";
-        EXPECT_TRUE(flat.hasInstances);
+        EXPECT_EQ(ofAll - flat.numTriangles, 39 * 12U) << "the boxes";
+        EXPECT_EQ(flat.numCopies, 40U);
+        EXPECT_FALSE(flat.hasInstances);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
     }
     for (const FlatAmount amount :
@@ -82,10 +88,18 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
           FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll)}, FlatAmount{ofAll}}) {
         EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, amount}).Flat().numTriangles, ofAll);
     }
-    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {10, kNoMatter, 0.0}}).Flat().numTriangles,
+    // A copy takes as much as two triangles.
+    const std::uint64_t ofCopies = 12 + 2 * 40;
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofCopies - 1, kNoMatter, 0.0}})
+                  .Flat()
+                  .numTriangles,
               0U);
-    EXPECT_TRUE(
-        DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8, 0.0}}).Flat().buffer.empty())
+    EXPECT_EQ(
+        DeviceAccelScene(device, built, {1, {}, {ofCopies, kNoMatter, 0.0}}).Flat().numTriangles,
+        12U);
+    EXPECT_TRUE(DeviceAccelScene(device, built, {1, {}, {ofCopies, kNoMatter, 0.8, 0.0}})
+                    .Flat()
+                    .buffer.empty())
         << "less than is asked for";
 }
 
@@ -112,6 +126,10 @@ TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
         EXPECT_EQ(flat.hasInstances, levels > HDS_FLAT_MAX_RECORDS) << levels;
         EXPECT_GT(flat.numTriangles, 0U);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 150U) << levels;
+        const DeviceAccelScene copies(device, built, kCopies);
+        EXPECT_EQ(copies.Flat().hasInstances, levels > HDS_FLAT_MAX_RECORDS) << levels;
+        EXPECT_GT(copies.Flat().numCopies, 0U);
+        ExpectSameHits(built, MixedRays(1500), kCopies);
     }
 }
 
@@ -150,6 +168,8 @@ TEST_F(FlatBvhTest, FlattensWhatLiesInInstanceChunks) {
             EXPECT_TRUE(instanceCount == 0 || flat.numTriangles < ofAll);
             ofAll = flat.numTriangles;
             EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 300U) << numInChunk;
+            EXPECT_GT(DeviceAccelScene(device, built, kCopies).Flat().numCopies, 0U);
+            ExpectSameHits(built, MixedRays(1500), kCopies);
         }
     }
 }
@@ -215,6 +235,45 @@ TEST_F(FlatBvhTest, TellsCutoutsFromBlockers) {
     EXPECT_GT(numBlocked, 300);
     EXPECT_GT(numCandidates, 300);
     ExpectSameHits(built, rays);
+    ASSERT_EQ(DeviceAccelScene(device, built, kCopies).Flat().numCopies, 40U);
+    ExpectSameHits(built, rays, kCopies);
+}
+
+TEST_F(FlatBvhTest, CopiesAreSeenByWhomTheyAreForAndGoneOnBehind) {
+    UniformSource uniform(47);
+    AccelScene built;
+    const std::array<std::uint32_t, 2> meshes = {built.AddMesh(BumpySphere(9), 100),
+                                                 built.AddMesh(Box(0.6F), 100)};
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const glm::dvec3 away = 2.5 * glm::dvec3(uniform.Vector());
+        const std::uint32_t hidden = i % 3 == 0 ? std::uint32_t{HDS_INSTANCE_CAMERA} : 0U;
+        placements.push_back(
+            {meshes[i % 2], glm::translate(glm::dmat4(1.0), away), HDS_INSTANCE_SEEN & ~hidden});
+    }
+    built.SetRoot(placements);
+    const DeviceAccelScene scene(device, built, kCopies);
+    ASSERT_EQ(scene.Flat().numCopies, 60U);
+    const std::vector<ProbeRay> rays = MixedRays(2000);
+    const TraversalProbe flat(device, AccelForm::Flat);
+    const TraversalProbe levels(device, AccelForm::Simd8);
+    const Hits ofAll = levels.Closest(scene, rays, 0U);
+    const Hits seen = levels.Closest(scene, rays, HDS_INSTANCE_CAMERA);
+    EXPECT_GT(CountDifferentBits(ofAll, seen), 50U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, 0U), ofAll), 0U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, HDS_INSTANCE_CAMERA), seen), 0U);
+    std::vector<ProbeKey> after(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (IsHit(ofAll[i])) {
+            std::memcpy(after[i].word, &ofAll[i].t, sizeof(float));
+            after[i].word[1] = ofAll[i].pathIndex[0];
+            after[i].word[2] = ofAll[i].pathIndex[1];
+            after[i].word[3] = HDS_NONE; // all of that place
+        }
+    }
+    const Hits behind = levels.Closest(scene, rays, 0U, after);
+    EXPECT_GT(CountDifferentBits(ofAll, behind), 200U);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays, 0U, after), behind), 0U);
 }
 
 // Cameras without a focal length make such rays.
@@ -231,12 +290,14 @@ TEST_F(FlatBvhTest, TakesRaysThatAreNone) {
         }
     }
     ExpectSameHits(mixed.scene, rays);
+    ExpectSameHits(mixed.scene, rays, kCopies);
 }
 
 // With the shortest the distance of planes, in lengths of the direction, is no float.
 TEST_F(FlatBvhTest, TakesDirectionsOfAnyLength) {
     const MixedScene mixed(false, true);
     const DeviceAccelScene scene(device, mixed.scene);
+    const DeviceAccelScene copies(device, mixed.scene, kCopies);
     const TraversalProbe flat(device, AccelForm::Flat);
     const TraversalProbe scalar(device, AccelForm::Scalar);
     for (const float length : {1e-29F, 1e-20F, 1e20F}) {
@@ -251,6 +312,7 @@ TEST_F(FlatBvhTest, TakesDirectionsOfAnyLength) {
         const Hits expected = scalar.BruteForce(scene, rays);
         EXPECT_GT(std::count_if(expected.begin(), expected.end(), IsHit), 100) << length;
         EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U) << length;
+        EXPECT_EQ(CountDifferentBits(flat.Closest(copies, rays), expected), 0U) << length;
     }
 }
 

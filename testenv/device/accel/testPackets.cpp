@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hds::test {
 namespace {
@@ -65,10 +66,12 @@ protected:
 
 TEST_F(PacketTest, FindsWhatEachRayFindsAlone) {
     const std::vector<ProbeRay> rays = Bunches(1500);
-    for (const bool isRigid : {true, false}) {
+    for (const auto& [isRigid, areCopies] :
+         {std::pair(true, false), std::pair(false, false), std::pair(true, true)}) {
         const MixedScene mixed(!isRigid, isRigid);
-        const DeviceAccelScene scene(device, mixed.scene);
+        const DeviceAccelScene scene(device, mixed.scene, areCopies ? kCopies : AccelUpload());
         ASSERT_EQ(scene.Flat().hasInstances, !isRigid) << "both are walked";
+        ASSERT_EQ(scene.Flat().numCopies > 0, areCopies);
         Hits hits;
         for (const std::uint32_t flagMask : {0U, std::uint32_t{HDS_INSTANCE_CAMERA}}) {
             const double together = ExpectSameHits(scene, rays, flagMask, {}, &hits);

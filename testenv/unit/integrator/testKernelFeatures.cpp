@@ -130,6 +130,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
          {"cutouts", "lobes", "media", "textures", "volumes"}},
         {"flat", {"simd8"}},                                // is walked as that form walks
         {"flatInstances", {"flat", "simd8"}},               // and beside it instances are
+        {"flatCopies", {"flat", "simd8"}},                  // or trees in it
         {"requestsFirst", {"streaming"}},                   // asks for pages that are missing
         {"pageHash", {"instanceChunks", "streaming"}},      // looks those of many instances up
         {"autobump", {"patterns", "programs", "textures"}}, // looks aside by ray cones
