@@ -68,16 +68,16 @@ def test_the_mirror_image_of_a_lamp_has_its_radiance(lamp, degrees, tmp_path):
     assert picture.mean() / _RADIANCE == pytest.approx(part, rel=0.03)
 
 
-@pytest.mark.parametrize("degrees", _DEGREES)
-@pytest.mark.parametrize("angle, hasShadows", [(0.0, True), (1.0, True), (1.0, False)])
+@pytest.mark.parametrize("degrees", [25.0, 60.0])
+@pytest.mark.parametrize("angle, hasShadows", [(0.0, True), (8.0, True), (8.0, False)])
 def test_a_sun_is_reflected(angle, hasShadows, degrees, tmp_path):
     """Of its irradiance across its direction the reflection has Fresnel's part, spread over the directions of the lobe: what the
     picture sees of it over its solid angle. Rays find only the second of these suns, light samples alone the others."""
     def AddSun(stage):
-        sun = author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(90, degrees, 0)), angle=angle, normalize=True,
+        sun = author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(90, 0, degrees)), angle=angle, normalize=True,
                               intensity=_RADIANCE)
         if not hasShadows:
             author.ShadowLight(sun, enable=False)
-    picture = _Render(tmp_path / "stage.usda", AddSun, degrees, samples=128, roughness=0.1, size=48, field=_FIELD)
+    picture = _Render(tmp_path / "stage.usda", AddSun, degrees, samples=256, roughness=0.1, size=48, field=_FIELD)
     seen = picture[..., 0].sum() * (_FIELD / 48) ** 2
     assert seen / _RADIANCE == pytest.approx(_Reflected(degrees), rel=0.05)
