@@ -68,11 +68,12 @@ def test_the_mirror_image_of_a_lamp_has_its_radiance(lamp, degrees, tmp_path):
     assert picture.mean() / _RADIANCE == pytest.approx(part, rel=0.03)
 
 
-@pytest.mark.parametrize("degrees", [25.0, 60.0])
-@pytest.mark.parametrize("angle, hasShadows", [(0.0, True), (8.0, True), (8.0, False)])
+@pytest.mark.parametrize("angle, hasShadows, degrees", [(0.0, True, 25.0), (0.0, True, 60.0), (8.0, False, 25.0), (8.0, False, 60.0),
+                                                        (8.0, True, 25.0), (1.0, True, 60.0)])
 def test_a_sun_is_reflected(angle, hasShadows, degrees, tmp_path):
     """Of its irradiance across its direction the reflection has Fresnel's part, spread over the directions of the lobe: what the
-    picture sees of it over its solid angle. Rays find only the second of these suns, light samples alone the others."""
+    picture sees of it over its solid angle. Light samples alone find the first four suns, rays alone the others, of which the last
+    is so small that a ray which was weighed against light samples would count little."""
     def AddSun(stage):
         sun = author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(90, 0, degrees)), angle=angle, normalize=True,
                               intensity=_RADIANCE)
