@@ -37,6 +37,7 @@
 #include "shading/materialPoint.clh"
 #include "light/place.clh"
 #include "light/rect.clh"
+#include "light/sphere.clh"
 #if HDS_FEATURE_MESH_LIGHTS
 #include "sample/sphericalTriangle.clh"
 #include "light/panel.clh"

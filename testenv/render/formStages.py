@@ -165,6 +165,26 @@ def Nested(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def InsideGlass(path) -> None:
+    """Bodies of smooth glass, which take no light samples inside but those of a point, between surfaces that do; round lamps, one of
+    them in a body."""
+    stage = author.NewStage(path)
+    clear, plain = dict(base=0.0, transmission=1.0, specular_roughness=0.0), dict(base_color=(0.6, 0.4, 0.3), specular_roughness=0.2)
+    looks = [materialX.AddSurface(stage, f"/World/Look{index}", **inputs)
+             for index, inputs in enumerate((clear, dict(clear, specular_roughness=0.3), plain))]
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(8, 8), color=(0.5, 0.5, 0.5))
+    for index in range(6):
+        author.AddMesh(stage, f"/World/Body{index}", shapes.Box(0.6, 0.6, 0.6) if index % 2 else materialX.Ball(0.35),
+                       material=looks[index % 3], translate=(0.9 * (index % 3) - 0.9, 0.45, 0.8 * (index // 3) - 0.4), rotate=(0, 20, 15))
+    author.AddLight(stage, "/World/Point", "Sphere", dict(translate=(1, 2, 1)), intensity=4.0, treatAsPoint=True)
+    author.AddLight(stage, "/World/Lamp", "Sphere", dict(translate=(-1, 2, 1), scale=(1, 2, 1), rotate=(0, 0, 30)), radius=0.2,
+                    intensity=15.0)
+    author.AddLight(stage, "/World/Inside", "Sphere", dict(translate=(-0.9, 0.45, -0.4)), radius=0.1, intensity=9.0)
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=0.3)
+    author.AddCamera(stage, eye=(0, 1.2, 4.0), target=(0, 0.4, 0), aspect=61 / 47)
+    stage.GetRootLayer().Save()
+
+
 def Displaced(path) -> None:
     """Balls of few triangles whose shading has what these lack of noise: smooth, flat, instanced and stretched."""
     stage = author.NewStage(path)
