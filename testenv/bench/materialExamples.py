@@ -31,7 +31,7 @@ SIZE, BLOCK, SEEDS = 64, 8, 4
 LIMIT = 0.02
 
 
-def Pictures(layer, name: str, samples: int):
+def Pictures(layer, name: str, samples: int, kernels: str = "auto"):
     """([seed][height][width][channel], warnings) of a material on a ball."""
     with tempfile.TemporaryDirectory() as folder:
         path = f"{folder}/stage.usda"
@@ -42,7 +42,7 @@ def Pictures(layer, name: str, samples: int):
         author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 40, 0)), angle=50.0, intensity=4.0)
         author.AddCamera(stage, eye=(0, 0, 10), width=20.0, aspect=1.0, orthographic=True)
         stage.GetRootLayer().Save()
-        renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed) for seed in range(SEEDS)]
+        renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed, kernels=kernels) for seed in range(SEEDS)]
     return np.stack([render.rgb for render in renders]), renders[0].warnings
 
 
@@ -100,6 +100,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of random materials")
     parser.add_argument("--only", default="", help="materials whose file, name or surface has this text")
     parser.add_argument("--samples", type=int, default=64, help="a pixel, of each of the seeds")
+    parser.add_argument("--kernels", default="auto", help="general: the same bits, compiled once for most materials")
     parser.add_argument("--pictures", type=pathlib.Path, help="folder for pictures: built-in, node graph")
     options = parser.parse_args()
     differing = []
@@ -109,7 +110,7 @@ def main() -> int:
         parser.error("either a folder or --random")
     materials = RandomMaterials(options.random, options.seed, options.only) if options.random else Materials(options.folder, options.only)
     for label, builtInLayer, graphLayer, name in materials:
-        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples) for layer in (builtInLayer, graphLayer))
+        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples, options.kernels) for layer in (builtInLayer, graphLayer))
         worst, noise, whole = Compare(builtIn, graph)
         if abs(worst) > LIMIT and abs(worst) > 3 * noise:
             differing.append(label)
@@ -120,7 +121,8 @@ def main() -> int:
         if options.pictures:
             options.pictures.mkdir(parents=True, exist_ok=True)
             row = np.concatenate([builtIn.mean(0), graph.mean(0)], 1)
-            imageFile.WritePng(options.pictures / f"{label.split(",")[0].replace(': ', '-')}.png",
+            file = label.split(",")[0].replace(": ", "-")
+            imageFile.WritePng(options.pictures / f"{file}.png",
                                (255.0 * np.clip(row, 0.0, 1.0) ** (1 / 2.2)).astype(np.uint8))
     print(f"{len(differing)} of {count} differ by more than {LIMIT:.0%}: {', '.join(differing) or 'none'}")
     return 1 if differing else 0
