@@ -212,7 +212,7 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, motion, warn):
     """The description of an implicit gprim: OpenUSD's mesh of it, fitted so that its limit surface is the gprim."""
     mesh = _ImplicitCage(prim, typeName, names, timeCode, warn)
     mesh.samples = motion.ShapeSamplesOf(
-        prim, [name for name in _SHAPE_ATTRIBUTES if name in names], len(mesh.points) // 3,
+        prim, [name for name in _SHAPE_ATTRIBUTES if name in names], len(mesh.points),
         lambda time: np.asarray(_ImplicitCage(prim, typeName, names, time, lambda *_: None).points))
     mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
