@@ -5,7 +5,6 @@
 #include "hdStream/hydra/materialParameters.h"
 #include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/renderParam.h"
-#include "hdStream/scene/motion.h"
 
 #include <pxr/imaging/hd/cameraSchema.h>
 #include <pxr/imaging/hd/renderIndex.h>
@@ -80,8 +79,14 @@ std::vector<hds::LensSample> SampleLens(HdSceneDelegate* delegate, const SdfPath
     for (int i = 0; isVarying && i <= kLensSteps; ++i) {
         const double time =
             prim.shutter.open + double(i) / kLensSteps * (prim.shutter.close - prim.shutter.open);
-        hds::LensSample sample = hds::LensOfFrame(prim);
-        sample.time = time;
+        hds::LensSample sample{time,
+                               prim.focalLength,
+                               prim.fStop,
+                               prim.focusDistance,
+                               prim.horizontalAperture,
+                               prim.verticalAperture,
+                               prim.horizontalApertureOffset,
+                               prim.verticalApertureOffset};
         for (const auto& [source, member] : sources) {
             if (source) {
                 sample.*member = source->GetTypedValue(static_cast<float>(time));

@@ -368,9 +368,7 @@ private:
         return Divide(Add(one, epsilon, 1), OneMinus(epsilon, 1), 1);
     }
 
-    /// What light that bounces between coat and base loses (OpenPBR 1.1, section 3.7). The base's
-    /// albedo is estimated as its node graph does: a metal's with the weight of its reflection, and
-    /// without the weight of the base.
+    /// What light that bounces between coat and base loses (OpenPBR 1.1, section 3.7, node graph).
     ShaderValue OpenPbrDarkening(const ShaderValue& subsurface, const ShaderValue& metalness,
                                  const ShaderValue& specular, const ShaderValue& coat,
                                  const ShaderValue& coatIor) {
