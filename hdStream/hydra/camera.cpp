@@ -47,7 +47,7 @@ float ExposureScaleOf(const HdCamera& camera, HdSceneDelegate* delegate) {
 #endif
 }
 
-/// The lens while the shutter is open; empty when the scene does not tell of a change.
+/// The lens and the film while the shutter is open; empty when the scene does not tell of a change.
 std::vector<hds::LensSample> SampleLens(HdSceneDelegate* delegate, const SdfPath& id,
                                         const hds::CameraPrim& prim) {
     const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
@@ -58,12 +58,19 @@ std::vector<hds::LensSample> SampleLens(HdSceneDelegate* delegate, const SdfPath
     if (!schema) {
         return {};
     }
-    const HdFloatDataSourceHandle sources[] = {schema.GetFocalLength(), schema.GetFStop(),
-                                               schema.GetFocusDistance()};
+    using Member = float hds::LensSample::*;
+    const std::pair<HdFloatDataSourceHandle, Member> sources[] = {
+        {schema.GetFocalLength(), &hds::LensSample::focalLength},
+        {schema.GetFStop(), &hds::LensSample::fStop},
+        {schema.GetFocusDistance(), &hds::LensSample::focusDistance},
+        {schema.GetHorizontalAperture(), &hds::LensSample::horizontalAperture},
+        {schema.GetVerticalAperture(), &hds::LensSample::verticalAperture},
+        {schema.GetHorizontalApertureOffset(), &hds::LensSample::horizontalApertureOffset},
+        {schema.GetVerticalApertureOffset(), &hds::LensSample::verticalApertureOffset}};
     const auto open = static_cast<float>(prim.shutter.open);
     const auto close = static_cast<float>(prim.shutter.close);
     bool isVarying = false;
-    for (const HdFloatDataSourceHandle& source : sources) {
+    for (const auto& [source, member] : sources) {
         std::vector<HdSampledDataSource::Time> times;
         isVarying = isVarying ||
                     (source && source->GetContributingSampleTimesForInterval(open, close, &times));
@@ -72,11 +79,20 @@ std::vector<hds::LensSample> SampleLens(HdSceneDelegate* delegate, const SdfPath
     for (int i = 0; isVarying && i <= kLensSteps; ++i) {
         const double time =
             prim.shutter.open + double(i) / kLensSteps * (prim.shutter.close - prim.shutter.open);
-        const auto value = [&](const HdFloatDataSourceHandle& source, float fallback) {
-            return source ? source->GetTypedValue(static_cast<float>(time)) : fallback;
-        };
-        samples.push_back({time, value(sources[0], prim.focalLength), value(sources[1], prim.fStop),
-                           value(sources[2], prim.focusDistance)});
+        hds::LensSample sample{time,
+                               prim.focalLength,
+                               prim.fStop,
+                               prim.focusDistance,
+                               prim.horizontalAperture,
+                               prim.verticalAperture,
+                               prim.horizontalApertureOffset,
+                               prim.verticalApertureOffset};
+        for (const auto& [source, member] : sources) {
+            if (source) {
+                sample.*member = source->GetTypedValue(static_cast<float>(time));
+            }
+        }
+        samples.push_back(sample);
     }
     return samples;
 }

@@ -27,11 +27,11 @@ struct Film {
     double windowHeight = 0.0;
 };
 
-Film ConformFilm(const RenderOptions& options) {
+Film ConformFilm(const RenderOptions& options, const LensSample& lens) {
     const auto& window = options.displayWindow;
     Film film;
-    film.width = static_cast<double>(options.camera.horizontalAperture);
-    film.height = static_cast<double>(options.camera.verticalAperture);
+    film.width = static_cast<double>(lens.horizontalAperture);
+    film.height = static_cast<double>(lens.verticalAperture);
     film.left = window[0];
     film.top = window[1];
     film.windowWidth = window[2] - window[0];
@@ -108,14 +108,14 @@ double Radians(float degrees) {
 
 /// The display window in film coordinates: left, top, and the way from there to the right and to
 /// the bottom.
-std::array<double, 4> ProjectedWindow(const RenderOptions& options, float focalLength) {
-    const CameraLens& lens = options.camera.lens;
-    if (lens.projection == CameraProjection::Latlong) {
-        return {Radians(lens.longitudes[0]), Radians(lens.latitudes[1]),
-                Radians(lens.longitudes[1] - lens.longitudes[0]),
-                Radians(lens.latitudes[0] - lens.latitudes[1])};
+std::array<double, 4> ProjectedWindow(const RenderOptions& options, const LensSample& lens) {
+    const CameraLens& view = options.camera.lens;
+    if (view.projection == CameraProjection::Latlong) {
+        return {Radians(view.longitudes[0]), Radians(view.latitudes[1]),
+                Radians(view.longitudes[1] - view.longitudes[0]),
+                Radians(view.latitudes[0] - view.latitudes[1])};
     }
-    if (lens.projection != CameraProjection::Film) {
+    if (view.projection != CameraProjection::Film) {
         // The field of view is a circle that touches the two longer sides.
         const auto& window = options.displayWindow;
         const double width = options.pixelAspectRatio * (window[2] - window[0]);
@@ -123,19 +123,30 @@ std::array<double, 4> ProjectedWindow(const RenderOptions& options, float focalL
         const double shorter = std::min(width, height);
         return {-width / shorter, height / shorter, 2.0 * width / shorter, -2.0 * height / shorter};
     }
-    const FilmWindow film = ConformedFilmWindow(options, focalLength);
+    const FilmWindow film = ConformedFilmWindow(options, lens);
     return {film.left, film.top, film.width, -film.height};
+}
+
+/// Film coordinates of raster (0, 0), and the steps of a pixel.
+std::array<double, 4> MakeFilm(const RenderOptions& options, const LensSample& lens) {
+    const std::array<double, 4> edges = ProjectedWindow(options, lens);
+    const auto& window = options.displayWindow;
+    std::array<double, 4> film{};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double step = edges[axis + 2] / (window[axis + 2] - window[axis]);
+        film[axis] = edges[axis] - window[axis] * step;
+        film[axis + 2] = step;
+    }
+    return film;
 }
 
 /// What of the frame depends on the lens, which may change while the shutter is open.
 shared::HdsLensKey MakeLensKey(const RenderOptions& options, const LensSample& lens) {
-    const std::array<double, 4> film = ProjectedWindow(options, lens.focalLength);
-    const auto& window = options.displayWindow;
+    const std::array<double, 4> film = MakeFilm(options, lens);
     shared::HdsLensKey key{};
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        const double step = film[axis + 2] / (window[axis + 2] - window[axis]);
-        key.filmOrigin[axis] = static_cast<float>(film[axis] - window[axis] * step);
-        key.filmStep[axis] = static_cast<float>(step);
+        key.filmOrigin[axis] = static_cast<float>(film[axis]);
+        key.filmStep[axis] = static_cast<float>(film[axis + 2]);
     }
     const bool hasLens = lens.fStop > 0.0F && lens.focusDistance > 0.0F;
     key.lensRadius = hasLens ? static_cast<float>(0.5 * static_cast<double>(lens.focalLength) /
@@ -163,6 +174,12 @@ void SetLens(const RenderOptions& options, shared::HdsFrameParams* params) {
         lens.projection == CameraProjection::FisheyeEquisolid       ? std::sin(0.5 * half)
         : lens.projection == CameraProjection::FisheyeStereographic ? std::tan(0.5 * half)
                                                                     : half);
+    params->fieldRest = static_cast<float>(std::pow(std::cos(0.5 * half), 2.0));
+    const std::array<double, 4> film = MakeFilm(options, LensOfFrame(camera));
+    for (std::size_t i = 0; i < 4; ++i) {
+        params->filmRest[i] =
+            static_cast<float>(film[i] - static_cast<double>(static_cast<float>(film[i])));
+    }
     params->apertureBlades = static_cast<std::uint32_t>(HasBlades(lens) ? lens.apertureBlades : 0);
     params->apertureRotation =
         static_cast<float>(std::remainder(Radians(lens.apertureRotation), 2.0 * kPi));
@@ -192,16 +209,34 @@ glm::dvec3 LensExtent(const shared::HdsFrameParams& params) {
                                                     : glm::dvec3(std::max(width, radius));
 }
 
+/// A border of the data window in film coordinates, beyond what filters reach; of a lens that
+/// changes the one that lies furthest out.
+/// \param isFar whether the border is that of the greatest raster coordinate.
+double FilmBorder(const shared::HdsFrameParams& params, int axis, bool isFar) {
+    constexpr float kFilterMargin = 8.0F; // pixels
+    const auto size = static_cast<float>(axis == 0 ? params.imageWidth : params.imageHeight);
+    const float raster = static_cast<float>(params.dataWindowMin[axis]) +
+                         (isFar ? size + kFilterMargin : -kFilterMargin);
+    float border = raster * params.filmStep[axis] + params.filmOrigin[axis];
+    const bool isGreatest = isFar == (params.filmStep[axis] > 0.0F);
+    for (std::uint32_t i = 0; params.lensSegments > 0 && i <= params.lensSegments; ++i) {
+        const shared::HdsLensKey& key = params.lensKeys[i];
+        const float other = raster * key.filmStep[axis] + key.filmOrigin[axis];
+        border = isGreatest ? std::max(border, other) : std::min(border, other);
+    }
+    return static_cast<double>(border);
+}
+
 } // namespace
 
-FilmWindow ConformedFilmWindow(const RenderOptions& options, float focalLength) {
-    const CameraPrim& camera = options.camera;
-    const Film film = ConformFilm(options);
-    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(focalLength);
+FilmWindow ConformedFilmWindow(const RenderOptions& options, const LensSample& lens) {
+    const Film film = ConformFilm(options, lens);
+    const double scale =
+        options.camera.orthographic ? 1.0 : 1.0 / static_cast<double>(lens.focalLength);
     const double left =
-        (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
+        (static_cast<double>(lens.horizontalApertureOffset) - 0.5 * film.width) * scale;
     const double top =
-        (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
+        (static_cast<double>(lens.verticalApertureOffset) + 0.5 * film.height) * scale;
     return {left, top, film.width * scale, film.height * scale};
 }
 
@@ -230,8 +265,7 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     const AffineRows rows = RowsFromMatrix(worldFromCamera);
     std::copy(rows.begin(), rows.end(), params.worldFromCamera);
 
-    SetLensKey(MakeLensKey(options, {0.0, camera.focalLength, camera.fStop, camera.focusDistance}),
-               &params);
+    SetLensKey(MakeLensKey(options, LensOfFrame(camera)), &params);
     params.nearClip = camera.nearClip;
     params.farClip = camera.farClip;
     params.exposureScale = camera.exposureScale;
@@ -263,7 +297,6 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
 }
 
 float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& box, bool moves) {
-    constexpr float kFilterMargin = 8.0F; // pixels
     if (box.min.x > box.max.x) {
         return 0.0F;
     }
@@ -281,12 +314,7 @@ float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& 
                           (corner & 2) != 0 ? lens.y : -lens.y,
                           (corner & 4) != 0 ? lens.z : -lens.z);
             for (int i = 0; i < 2 && isOrthographic; ++i) {
-                const float size =
-                    static_cast<float>(i == 0 ? params.imageWidth : params.imageHeight);
-                const float raster =
-                    static_cast<float>(params.dataWindowMin[i]) +
-                    ((corner >> i & 1) != 0 ? size + kFilterMargin : -kFilterMargin);
-                at[i] += static_cast<double>(raster * params.filmStep[i] + params.filmOrigin[i]);
+                at[i] += FilmBorder(params, i, (corner >> i & 1) != 0);
             }
             glm::dvec3 world;
             for (int i = 0; i < 3; ++i) {

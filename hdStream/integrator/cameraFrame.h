@@ -28,8 +28,9 @@ struct FilmWindow {
     double height = 0.0; ///< y up: the lower edge is at top - height
 };
 
-/// The film back of a camera with a film, conformed to the display window by the policy.
-FilmWindow ConformedFilmWindow(const RenderOptions& options, float focalLength);
+/// The film back of a lens, conformed to the display window by the policy. \pre a camera with a
+/// film.
+FilmWindow ConformedFilmWindow(const RenderOptions& options, const LensSample& lens);
 
 /// Length of rays from outside of a box to the camera; 0: no camera ray begins in the box. \param
 /// moves what is in the box may leave it while the shutter is open.

@@ -55,16 +55,24 @@ inline bool HasBlades(const CameraLens& lens) {
     return lens.apertureBlades >= 3 && lens.apertureRoundness < 1.0F;
 }
 
-/// The lens at a time, in frames from the frame; values as CameraPrim's.
+/// The lens and the film at a time, in frames from the frame; values as CameraPrim's.
 struct LensSample {
     double time = 0.0;
     float focalLength = 5.0F;
     float fStop = 0.0F;
     float focusDistance = 0.0F;
+    float horizontalAperture = 2.0955F;
+    float verticalAperture = 1.52908F;
+    float horizontalApertureOffset = 0.0F;
+    float verticalApertureOffset = 0.0F;
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(LensSample, time), HDS_FIELD(LensSample, focalLength),
-                         HDS_FIELD(LensSample, fStop), HDS_FIELD(LensSample, focusDistance));
+                         HDS_FIELD(LensSample, fStop), HDS_FIELD(LensSample, focusDistance),
+                         HDS_FIELD(LensSample, horizontalAperture),
+                         HDS_FIELD(LensSample, verticalAperture),
+                         HDS_FIELD(LensSample, horizontalApertureOffset),
+                         HDS_FIELD(LensSample, verticalApertureOffset));
     }
 };
 

@@ -70,6 +70,16 @@ std::vector<std::string> MendCamera(CameraPrim* camera) {
         if (std::isnan(sample.focusDistance)) {
             sample.focusDistance = camera->focusDistance;
         }
+        if (!IsAperture(sample.horizontalAperture) || !IsAperture(sample.verticalAperture)) {
+            sample.horizontalAperture = camera->horizontalAperture;
+            sample.verticalAperture = camera->verticalAperture;
+        }
+        if (!std::isfinite(sample.horizontalApertureOffset)) {
+            sample.horizontalApertureOffset = camera->horizontalApertureOffset;
+        }
+        if (!std::isfinite(sample.verticalApertureOffset)) {
+            sample.verticalApertureOffset = camera->verticalApertureOffset;
+        }
         isZero = MendFocus(&sample.focalLength, &sample.fStop, &sample.focusDistance) || isZero;
     }
     if (isZero && !camera->orthographic && camera->lens.projection == CameraProjection::Film) {

@@ -201,8 +201,11 @@ public:
     }
     void Value(const std::string& /*name*/, const std::vector<LensSample>& samples) {
         for (const LensSample& sample : samples) {
-            const float values[] = {sample.focalLength, sample.fStop, sample.focusDistance};
-            Line("lens at " + Number(static_cast<float>(sample.time)), Array(values, 3));
+            const float values[] = {sample.focalLength,           sample.fStop,
+                                    sample.focusDistance,         sample.horizontalAperture,
+                                    sample.verticalAperture,      sample.horizontalApertureOffset,
+                                    sample.verticalApertureOffset};
+            Line("lens at " + Number(static_cast<float>(sample.time)), Array(values, 7));
         }
     }
     /// The members of a struct that are worth a line.

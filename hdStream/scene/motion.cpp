@@ -246,10 +246,23 @@ bool MovesOver(const CameraPrim& camera, const Shutter& shutter) {
     return !SamplesWithin(camera.samples, shutter).empty();
 }
 
+LensSample LensOfFrame(const CameraPrim& camera) {
+    return {0.0,
+            camera.focalLength,
+            camera.fStop,
+            camera.focusDistance,
+            camera.horizontalAperture,
+            camera.verticalAperture,
+            camera.horizontalApertureOffset,
+            camera.verticalApertureOffset};
+}
+
 LensSample LensAt(const CameraPrim& camera, double time) {
     const std::vector<LensSample>& samples = camera.lensSamples;
     if (samples.empty()) {
-        return {time, camera.focalLength, camera.fStop, camera.focusDistance};
+        LensSample lens = LensOfFrame(camera);
+        lens.time = time;
+        return lens;
     }
     const auto after =
         std::find_if(samples.begin(), samples.end(),
@@ -258,9 +271,12 @@ LensSample LensAt(const CameraPrim& camera, double time) {
     if (after != samples.begin() && after != samples.end() && after->time > time) {
         const LensSample& before = *std::prev(after);
         const auto part = static_cast<float>((time - before.time) / (after->time - before.time));
-        lens.focalLength = glm::mix(before.focalLength, after->focalLength, part);
-        lens.fStop = glm::mix(before.fStop, after->fStop, part);
-        lens.focusDistance = glm::mix(before.focusDistance, after->focusDistance, part);
+        ForEachField<LensSample>([&](const auto& field) {
+            if (!field.Is(&LensSample::time)) {
+                lens.*field.member = glm::mix(before.*field.member, (*after).*field.member,
+                                              static_cast<decltype(lens.*field.member + 0)>(part));
+            }
+        });
     }
     lens.time = time;
     return lens;

@@ -63,10 +63,13 @@ std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool*
 /// Whether the camera's pose changes.
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter);
 
-/// The lens at a time, in frames from the frame: linear between samples.
+/// The lens and the film that the camera has for the frame, as a sample.
+LensSample LensOfFrame(const CameraPrim& camera);
+
+/// The lens and the film at a time, in frames from the frame: linear between samples.
 LensSample LensAt(const CameraPrim& camera, double time);
 
-/// Whether the lens changes while the shutter is open.
+/// Whether the lens or the film changes while the shutter is open.
 bool LensChangesOver(const CameraPrim& camera, const Shutter& shutter);
 
 /// The keys of a camera's pose.

@@ -2,6 +2,7 @@
 #include "hdStream/session/imageMetadata.h"
 
 #include "hdStream/integrator/cameraFrame.h"
+#include "hdStream/scene/motion.h"
 #include "hdStream/session/settingsCheck.h"
 
 #include <glm/mat4x4.hpp>
@@ -51,7 +52,7 @@ ImageMetadata MakeImageMetadata(const Settings& settings, const CameraPrim& came
     metadata.worldToCamera = RowsOf(view);
     if (camera.lens.projection == CameraProjection::Film) { // no matrix tells of others
         const RenderOptions options = MakeRenderOptions(settings, camera);
-        const FilmWindow film = ConformedFilmWindow(options, options.camera.focalLength);
+        const FilmWindow film = ConformedFilmWindow(options, LensOfFrame(options.camera));
         metadata.worldToNdc = RowsOf(MakeProjection(options.camera, film) * view);
     }
     const auto edge = [&](std::size_t i) {

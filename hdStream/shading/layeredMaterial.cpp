@@ -135,7 +135,7 @@ public:
         Set(HDS_INPUT_COAT_IOR, coatIor);
         const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT,
-            Multiply(tint, OpenPbrDarkening(color, subsurface, metalness, coat, coatIor), 3));
+            Multiply(tint, OpenPbrDarkening(subsurface, metalness, specular, coat, coatIor), 3));
         Set(HDS_INPUT_EMISSIVE_COLOR,
             CoatedEmission(Multiply(Read("emission_luminance"), Read("emission_color"), 3), coat,
                            coatIor, Read("coat_color")));
@@ -368,16 +368,17 @@ private:
         return Divide(Add(one, epsilon, 1), OneMinus(epsilon, 1), 1);
     }
 
-    /// What light that bounces between coat and base loses (OpenPBR 1.1, section 3.7).
-    ShaderValue OpenPbrDarkening(const ShaderValue& color, const ShaderValue& subsurface,
-                                 const ShaderValue& metalness, const ShaderValue& coat,
+    /// What light that bounces between coat and base loses (OpenPBR 1.1, section 3.7, node graph).
+    ShaderValue OpenPbrDarkening(const ShaderValue& subsurface, const ShaderValue& metalness,
+                                 const ShaderValue& specular, const ShaderValue& coat,
                                  const ShaderValue& coatIor) {
         const ShaderValue one = MakeScalar(1.0F);
         const ShaderValue root = Divide(Subtract(coatIor, one, 1), Add(coatIor, one, 1), 1);
         const ShaderValue inside = OneMinus(
             Divide(OneMinus(Multiply(root, root, 1), 1), Multiply(coatIor, coatIor, 1), 1), 1);
+        const ShaderValue color = Read("base_color");
         const ShaderValue dielectric = Mix(color, Read("subsurface_color"), subsurface, 3);
-        const ShaderValue base = Mix(dielectric, color, metalness, 3);
+        const ShaderValue base = Mix(dielectric, Multiply(color, specular, 3), metalness, 3);
         const ShaderValue left =
             Divide(OneMinus(inside, 1), OneMinus(Multiply(base, inside, 3), 3), 3);
         return Mix(one, left, Multiply(coat, Read("coat_darkening"), 1), 3);

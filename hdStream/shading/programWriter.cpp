@@ -71,8 +71,12 @@ bool ReadsNormal(const ShaderExpression& expression) {
     return HasKind(expression, {Kind::Normal, Kind::Tangent}, &searched);
 }
 
-/// The register that holds the value of an expression.
-using Registers = std::map<const ShaderExpression*, std::uint32_t>;
+/// A register that holds the value of an expression.
+struct HeldValue {
+    std::uint32_t index = 0;
+    std::uint32_t numUses = 0; ///< that are still to come
+};
+using Registers = std::map<const ShaderExpression*, HeldValue>;
 
 class Writer {
 public:
@@ -104,7 +108,7 @@ public:
         Registers kept;
         kept.swap(_registers);
         _counts.swap(counts);
-        _numKept = static_cast<std::uint32_t>(kept.size());
+        const std::uint32_t keptMask = _takenMask;
         constexpr std::uint32_t kWays[] = {HDS_SHIFT_T | HDS_SHIFT_MINUS, HDS_SHIFT_T,
                                            HDS_SHIFT_S | HDS_SHIFT_MINUS, HDS_SHIFT_S};
         for (const std::uint32_t way : kWays) {
@@ -115,6 +119,7 @@ public:
             Push(relief.value);
             Emit(HDS_OP(HDS_OP_SHIFT, HDS_SHIFT_BACK));
             _registers.clear();
+            _takenMask = keptMask;
         }
         _lookupCoordinates.clear();
         for (const auto& one : kept) {
@@ -127,7 +132,6 @@ public:
         Emit(relief.normalSlot);
         Emit(relief.coordinateSlot);
         _depth -= 4;
-        _numKept = 0;
         _counts.swap(counts);
         kept.swap(_registers);
         if (!_isTooLarge) {
@@ -160,9 +164,44 @@ private:
         _isTooLarge = _isTooLarge || _depth > HDS_PROGRAM_STACK;
     }
 
-    /// Values that are used again are in the first registers, operands that wait in the last.
-    bool HasFreeRegister(std::uint32_t numReserved = 0) const {
-        return _numKept + _registers.size() + _numEarly + numReserved < HDS_PROGRAM_REGISTERS;
+    std::uint32_t NumFreeRegisters() const {
+        std::uint32_t count = 0;
+        for (std::uint32_t i = 0; i < HDS_PROGRAM_REGISTERS; ++i) {
+            count += (_takenMask >> i & 1U) == 0 ? 1U : 0U;
+        }
+        return count;
+    }
+
+    /// One that has held nothing yet, if there is one: words of coordinates that name it are then
+    /// still those of the same values. \pre NumFreeRegisters() > 0
+    std::uint32_t TakeRegister() {
+        const auto firstWithout = [](std::uint32_t mask) {
+            std::uint32_t index = 0;
+            while ((mask >> index & 1U) != 0) {
+                ++index;
+            }
+            return index;
+        };
+        std::uint32_t index = firstWithout(_usedMask);
+        if (index >= HDS_PROGRAM_REGISTERS) {
+            index = firstWithout(_takenMask);
+            _lookupCoordinates.clear();
+        }
+        _usedMask |= 1U << index;
+        _takenMask |= 1U << index;
+        return index;
+    }
+
+    void FreeRegister(std::uint32_t index) { _takenMask &= ~(1U << index); }
+
+    /// A use of what a register holds; after the last one it is free. What is evaluated again, for
+    /// want of registers, is used more often than was counted, and then evaluated anew.
+    void CountUse(Registers::iterator held) {
+        if (--held->second.numUses == 0) {
+            _stale.erase(held->first);
+            FreeRegister(held->second.index);
+            _registers.erase(held);
+        }
     }
 
     void PushConstant(const std::array<float, 4>& value) {
@@ -181,12 +220,13 @@ private:
         const auto known = _isShifted ? _registers.end() : _registers.find(&expression);
         const bool isKnown = known != _registers.end() && _stale.count(&expression) == 0;
         if (isKnown && !hasTangents) {
-            Emit(HDS_OP(HDS_OP_LOAD, known->second));
+            Emit(HDS_OP(HDS_OP_LOAD, known->second.index));
             Grow(1);
+            CountUse(known);
         } else {
             PushExpression(value, hasTangents);
-            if (!isKnown && !_isShifted) {
-                Keep(expression, known);
+            if (!_isShifted) {
+                Keep(expression);
             }
         }
         if (value.channel != HDS_CHANNEL_ALL) {
@@ -194,19 +234,22 @@ private:
         }
     }
 
-    /// Keeps the top of the stack in a register, if it is used again. \param known where it was
-    /// kept before the normal changed
-    void Keep(const ShaderExpression& expression, Registers::const_iterator known) {
+    /// Keeps the top of the stack in a register, if it is used again.
+    void Keep(const ShaderExpression& expression) {
+        const auto known = _registers.find(&expression);
         if (known != _registers.end()) {
-            _stale.erase(&expression);
-            Emit(HDS_OP(HDS_OP_SAVE, known->second));
+            if (_stale.erase(&expression) != 0) { // kept before the normal changed
+                Emit(HDS_OP(HDS_OP_SAVE, known->second.index));
+                _lookupCoordinates.clear();
+            }
+            CountUse(known);
             return;
         }
         const auto uses = _counts.find(&expression);
         if (IsShareable(expression) && uses != _counts.end() && uses->second > 1 &&
-            HasFreeRegister(_numForEarly)) {
-            const auto index = static_cast<std::uint32_t>(_numKept + _registers.size());
-            _registers[&expression] = index;
+            NumFreeRegisters() > _numForEarly) {
+            const std::uint32_t index = TakeRegister();
+            _registers[&expression] = {index, uses->second - 1};
             Emit(HDS_OP(HDS_OP_SAVE, index));
         }
     }
@@ -288,16 +331,22 @@ private:
             return operands.begin() + static_cast<std::ptrdiff_t>(i) == withFrame;
         };
         const std::size_t early = FindEarly(expression);
+        std::uint32_t waiting = 0;
         if (early < operands.size()) {
             Push(operands[early], isInFrame(early));
-            _isTooLarge = _isTooLarge || !HasFreeRegister();
-            Emit(HDS_OP(HDS_OP_SAVE, HDS_PROGRAM_REGISTERS - ++_numEarly));
+            _isTooLarge = _isTooLarge || NumFreeRegisters() == 0;
+            if (_isTooLarge) {
+                return;
+            }
+            waiting = TakeRegister();
+            Emit(HDS_OP(HDS_OP_SAVE, waiting));
             Emit(HDS_OP(HDS_OP_POP, 0U));
             --_depth;
         }
         for (std::size_t i = 0; i < operands.size(); ++i) {
             if (i == early) {
-                Emit(HDS_OP(HDS_OP_LOAD, HDS_PROGRAM_REGISTERS - _numEarly--));
+                Emit(HDS_OP(HDS_OP_LOAD, waiting));
+                FreeRegister(waiting);
                 Grow(1);
             } else {
                 Push(operands[i], isInFrame(i));
@@ -313,7 +362,7 @@ private:
     /// one past the last: in order.
     std::size_t FindEarly(const ShaderExpression& expression) {
         const auto& operands = expression.operands;
-        if (_depth + _depths.Of(expression) <= HDS_PROGRAM_STACK || !HasFreeRegister()) {
+        if (_depth + _depths.Of(expression) <= HDS_PROGRAM_STACK || NumFreeRegisters() == 0) {
             return operands.size();
         }
         std::size_t early = 0;
@@ -423,9 +472,9 @@ private:
     std::vector<std::uint32_t> _lookupCoordinates; ///< words of those of the last look-up
     std::uint32_t _depth = 0;
     ProgramDepth _depths;
-    std::uint32_t _numEarly = 0; ///< operands that wait
-    std::uint32_t _numForEarly;  ///< registers that are left to them
-    std::uint32_t _numKept = 0;  ///< registers before those of _registers
+    std::uint32_t _numForEarly;   ///< registers that are left to operands that wait
+    std::uint32_t _takenMask = 0; ///< registers that hold something
+    std::uint32_t _usedMask = 0;  ///< registers that have held something
     bool _isTooLarge = false;
     bool _isShifted = false;
 };

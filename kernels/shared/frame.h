@@ -113,10 +113,13 @@ typedef struct {
     f32 apertureRoundness; /* 0: straight blades, 1: a disk */
     f32 apertureWidth;     /* of its height */
     f32 vignetting;        /* 0: none, 1: the cosine's fourth power */
-    u32 lensSegments;      /* lens keys after the first; 0: the lens is the same at all times */
+    f32 fieldRest;         /* equisolid fisheyes: 1 - fieldScale^2, before it was rounded */
+    f32 filmRest[4];       /* what filmOrigin and filmStep lack, of other projections than a film */
+    u32 pad[3];
+    u32 lensSegments; /* lens keys after the first; 0: the lens is the same at all times */
     HdsLensKey lensKeys[HDS_MAX_MOTION_SEGMENTS + 1]; /* at equal distances in time */
 } HdsFrameParams;
-HDS_ASSERT_SIZE(HdsFrameParams, 320 + (48 + 32) * (HDS_MAX_MOTION_SEGMENTS + 1));
+HDS_ASSERT_SIZE(HdsFrameParams, 352 + (48 + 32) * (HDS_MAX_MOTION_SEGMENTS + 1));
 
 /* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
  * numSamples]. */

@@ -2,8 +2,9 @@
 """MaterialX's example materials by our built-in surfaces and by MaterialX's own node graphs of the same surfaces.
 
     python testenv/bench/materialExamples.py FOLDER [--only TEXT] [--samples N] [--pictures OUT]
+    python testenv/bench/materialExamples.py --random 12 [--seed N] [...]
 
-FOLDER: .mtlx files, such as resources/Materials/Examples of the repository AcademySoftwareFoundation/MaterialX beside its
+The second form draws so many materials of each model in stages/randomMaterials.py, which have random inputs. FOLDER: .mtlx files, such as resources/Materials/Examples of the repository AcademySoftwareFoundation/MaterialX beside its
 resources/Images. Each material is drawn on a ball below a sky and a wide sun, twice: with its surface shader, which
 hdStream has built in, and with the closures that the shader's definition is made of (NG_standard_surface_surfaceshader_100,
 NG_open_pbr_surface_surfaceshader, ...). Printed, of means of 8 x 8 pixels and of each colour: the largest difference over
@@ -23,14 +24,14 @@ builtPackage.PutOnPath()
 import numpy as np  # noqa: E402
 
 import ours  # noqa: E402
-from stages import author, imageFile, surfaceGraphs  # noqa: E402
+from stages import author, imageFile, randomMaterials, surfaceGraphs  # noqa: E402
 from stages.materialX import Ball  # noqa: E402
 
 SIZE, BLOCK, SEEDS = 64, 8, 4
 LIMIT = 0.02
 
 
-def Pictures(layer, name: str, samples: int):
+def Pictures(layer, name: str, samples: int, kernels: str = "auto"):
     """([seed][height][width][channel], warnings) of a material on a ball."""
     with tempfile.TemporaryDirectory() as folder:
         path = f"{folder}/stage.usda"
@@ -41,7 +42,7 @@ def Pictures(layer, name: str, samples: int):
         author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 40, 0)), angle=50.0, intensity=4.0)
         author.AddCamera(stage, eye=(0, 0, 10), width=20.0, aspect=1.0, orthographic=True)
         stage.GetRootLayer().Save()
-        renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed) for seed in range(SEEDS)]
+        renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed, kernels=kernels) for seed in range(SEEDS)]
     return np.stack([render.rgb for render in renders]), renders[0].warnings
 
 
@@ -78,18 +79,38 @@ def Materials(folder: pathlib.Path, only: str):
             yield file.stem if len(names) == 1 else f"{file.stem}: {name}", builtIn, graph, name
 
 
+def RandomMaterials(count: int, seed: int, only: str):
+    """As Materials()"""
+    for model in randomMaterials.MODELS:
+        for index in range(count):
+            label = f"{model} {index}"
+            if only.lower() not in label:
+                continue
+            inputs = randomMaterials.Inputs(model, seed, index)
+            document = randomMaterials.Document(model, inputs)
+            builtIn = surfaceGraphs.ReadLayer(document)
+            surfaceGraphs.ReplaceSurfaces(document)
+            yield f"{label}: {', '.join(inputs)}", builtIn, surfaceGraphs.ReadLayer(document), "Look"
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path, nargs="?")
+    parser.add_argument("--random", type=int, default=0, help="materials of each model, in place of a folder's")
+    parser.add_argument("--seed", type=int, default=1, help="of random materials")
     parser.add_argument("--only", default="", help="materials whose file, name or surface has this text")
     parser.add_argument("--samples", type=int, default=64, help="a pixel, of each of the seeds")
+    parser.add_argument("--kernels", default="auto", help="general: the same bits, compiled once for most materials")
     parser.add_argument("--pictures", type=pathlib.Path, help="folder for pictures: built-in, node graph")
     options = parser.parse_args()
     differing = []
     print("| material | largest difference of a block | its noise | of all |\n|---|---|---|---|")
     count = 0
-    for label, builtInLayer, graphLayer, name in Materials(options.folder, options.only):
-        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples) for layer in (builtInLayer, graphLayer))
+    if (options.folder is None) != (options.random > 0):
+        parser.error("either a folder or --random")
+    materials = RandomMaterials(options.random, options.seed, options.only) if options.random else Materials(options.folder, options.only)
+    for label, builtInLayer, graphLayer, name in materials:
+        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples, options.kernels) for layer in (builtInLayer, graphLayer))
         worst, noise, whole = Compare(builtIn, graph)
         if abs(worst) > LIMIT and abs(worst) > 3 * noise:
             differing.append(label)
@@ -100,7 +121,8 @@ def main() -> int:
         if options.pictures:
             options.pictures.mkdir(parents=True, exist_ok=True)
             row = np.concatenate([builtIn.mean(0), graph.mean(0)], 1)
-            imageFile.WritePng(options.pictures / f"{label.replace(': ', '-')}.png",
+            file = label.split(",")[0].replace(": ", "-")
+            imageFile.WritePng(options.pictures / f"{file}.png",
                                (255.0 * np.clip(row, 0.0, 1.0) ** (1 / 2.2)).astype(np.uint8))
     print(f"{len(differing)} of {count} differ by more than {LIMIT:.0%}: {', '.join(differing) or 'none'}")
     return 1 if differing else 0

@@ -338,6 +338,8 @@ GRAPHS = {
     OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),
                dict(base_color=RED, coat_weight=0.7, coat_roughness=0.2, coat_roughness_anisotropy=0.6),
                dict(base_color=RED, fuzz_weight=0.8),
+               dict(base_weight=0.6, base_color=GOLD, subsurface_weight=0.5, subsurface_color=BLUE, coat_weight=1.0, coat_ior=1.8),
+               dict(base_weight=0.6, base_color=GOLD, base_metalness=1.0, specular_weight=0.5, coat_weight=1.0, coat_ior=1.8),
                dict(transmission_weight=1.0, specular_roughness=0.3),
                dict(transmission_weight=0.7, transmission_color=(0.8, 0.4, 0.1), transmission_depth=1.0,
                     transmission_scatter=(0.6, 0.6, 0.6), transmission_scatter_anisotropy=0.5)],

@@ -97,6 +97,15 @@ def _Tiles(**inputs):
         "hextiledimage", "color3", given
 
 
+def _Product(*cases):
+    """The product of cases of colors: more values that are used again than the machine has registers."""
+    (value, *source), *others = cases
+    source = tuple(source)
+    for other, *its in others:
+        value, source = value * other, ("multiply", "color3", dict(in1=source, in2=tuple(its)))
+    return value, *source
+
+
 def _HextiledNormal(inputs, st=_ST):
     """By the text of MaterialX's hextilednormalmap, with a normal along z; in tangent space."""
     tiles, weights = _HextileTiles(inputs, st)
@@ -280,6 +289,7 @@ _CASES = {
     "latlongimage_behind": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, -0.6, -0.64)),
     "hextiledimage": _Tiles(),
     "hextiledimage_gain": _Tiles(falloff=0.3, falloffcontrast=0.8),
+    "hextiledimage_thrice": _Product(_Tiles(), _Tiles(falloff=0.3, falloffcontrast=0.8), _Tiles(rotation=0.7)),
     "hextilednormalmap": _TiledNormal(),
     "hextilednormalmap_gain": _TiledNormal(falloff=0.3, strength=1.5, flip_g=True),
     **dict(_Flakes("presence")), **dict(_Flakes("rand")), **dict(_Flakes("flakenormal")),

@@ -47,7 +47,7 @@ def _Scores(a, b):
     return (a.mean(0) - b.mean(0)) / np.maximum(error, 1e-5)
 
 
-@pytest.mark.parametrize("name", [*motion.SCENES, *motion.KEYS, *motion.LIGHTS, *motion.VOLUMES])
+@pytest.mark.parametrize("name", [*motion.SCENES, *motion.KEYS, *motion.LIGHTS, *motion.SHAPES, *motion.CAMERAS, *motion.VOLUMES])
 def test_blur_is_the_average_of_256_stills(name, tmp_path):
     renderer = hdstream.Renderer(motion.Write(tmp_path / "a.usda", name), onWarning=lambda line: None)
     blurred, stills = _Pictures(renderer)

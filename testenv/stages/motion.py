@@ -6,7 +6,7 @@ import pathlib
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, UsdVol, Vt
 
-from . import author, curves, imageFile, shapes, smoke, splats
+from . import author, curves, imageFile, motionShapes, shapes, smoke, splats
 
 FRAME = 1.0
 SHUTTER = (-0.5, 0.5)
@@ -375,6 +375,35 @@ def _SetOverFrames(attribute, first, last):
     attribute.Set(last, 2.0)
 
 
+def _SetFilm(camera, *values):
+    """Apertures and offsets at the frames 0 and 2, in pairs."""
+    names = ("HorizontalAperture", "VerticalAperture", "HorizontalApertureOffset", "VerticalApertureOffset")
+    for name, (first, last) in zip(names, values):
+        _SetOverFrames(getattr(camera, f"Create{name}Attr")(), first, last)
+
+
+def _SetShift(camera):
+    """The film shifts, and gets larger."""
+    _SetFilm(camera, (24.0, 44.0), (18.0, 33.0), (-8.0, 6.0), (3.0, -5.0))
+
+
+def _SetOrthographic(camera):
+    """An orthographic zoom with a lens in front of it."""
+    camera.CreateProjectionAttr("orthographic")
+    _SetFilm(camera, (24.0, 70.0), (18.0, 52.5))
+    camera.CreateFStopAttr(4.0)
+    camera.CreateFocusDistanceAttr(5.0)
+
+
+def _SetFisheye(camera):
+    """A fisheye that turns and moves, with an open lens that is focused on its way."""
+    camera.GetPrim().CreateAttribute("hdstream:camera:projection", Sdf.ValueTypeNames.Token).Set("fisheyeEquisolid")
+    camera.ClearXformOpOrder()
+    AddWay(camera, (-1.0, -0.5, 3), (1.0, 0.5, 4), degrees=70.0)
+    camera.CreateFStopAttr(2.0)
+    _SetOverFrames(camera.CreateFocusDistanceAttr(), 1.0, 5.0)
+
+
 # What moves in a stage, by name; "camera", "focus" and "zoom" are still but for the camera.
 SCENES = {
     "way": _AddMovingBox, "turn": _AddTurningBox, "nested": _AddNestedInstances, "polygons": _AddBendingPolygons,
@@ -391,6 +420,10 @@ LIGHTS = {
     "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm,
     "glow": _AddGlow, "beam": _AddBeam, "flame": _AddFlame,
 }
+# Shapes that are not authored point by point.
+SHAPES = motionShapes.SCENES
+# Cameras that change, by name: what sets them.
+CAMERAS = {"shift": _SetShift, "orthographic": _SetOrthographic, "fisheye": _SetFisheye}
 # Volumes whose transforms move.
 VOLUMES = {"turningSmoke": _AddTurningSmoke, "smokeSwarm": _AddSmokeSwarm}
 
@@ -403,7 +436,7 @@ def Write(path, *names, shutter=SHUTTER):
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=1.5, angle=2.0, normalize=True)
     _AddFar(stage)
     for name in names:
-        {**SCENES, **KEYS, **LIGHTS, **VOLUMES}[name](stage)
+        {**SCENES, **KEYS, **LIGHTS, **SHAPES, **VOLUMES, **dict.fromkeys(CAMERAS, _AddNothing)}[name](stage)
     camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
     camera.CreateShutterOpenAttr(shutter[0])
     camera.CreateShutterCloseAttr(shutter[1])
@@ -415,6 +448,8 @@ def Write(path, *names, shutter=SHUTTER):
         _SetOverFrames(camera.CreateFocusDistanceAttr(), 2.0, 9.0)
     if "zoom" in names:
         _SetOverFrames(camera.CreateFocalLengthAttr(), 20.0, 60.0)
+    for name in CAMERAS.keys() & names:
+        CAMERAS[name](camera)
     stage.SetStartTimeCode(FRAME)
     stage.SetEndTimeCode(FRAME)
     stage.GetRootLayer().Save()

@@ -175,6 +175,48 @@ def test_nurbs_curves_are_carried():
     assert Points("Nurbs", 2.0, stage) == pytest.approx(np.array([Bent(p) for p in rest]), abs=2e-6)
 
 
+def _AddPatch(stage):
+    prim = UsdGeom.NurbsPatch.Define(stage, "/Arm/Solid")
+    for name in ("uVertexCount", "vVertexCount", "uOrder", "vOrder"):
+        prim.GetPrim().GetAttribute(name).Set(3)
+    prim.CreateUKnotsAttr([0, 0, 0, 1, 1, 1])
+    prim.CreateVKnotsAttr([0, 0, 0, 1, 1, 1])
+    prim.CreatePointsAttr([(2 + x, y, 0.5 * x * y) for y in range(3) for x in range(3)])
+    return prim
+
+
+def _AddTets(stage):
+    prim = UsdGeom.TetMesh.Define(stage, "/Arm/Solid")
+    prim.CreatePointsAttr([(2, 0, 0), (3, 0, 0), (2, 1, 0), (2, 0, 1)])
+    prim.CreateTetVertexIndicesAttr([(0, 1, 2, 3)])
+    return prim
+
+
+@pytest.mark.parametrize("add", [_AddPatch, _AddTets], ids=["patch", "tetrahedra"])
+def test_patches_and_tetrahedra_are_carried(add):
+    """By one joint: what they are made of at rest, turned. Also between the ends of a shutter, on the joint's arc."""
+    stage = Bending()
+    solid = add(stage)
+    rest = Points("Solid", 2.0, stage)
+    binding = UsdSkel.BindingAPI.Apply(solid.GetPrim())
+    binding.CreateJointIndicesPrimvar(True, 1).Set([1])
+    binding.CreateJointWeightsPrimvar(True, 1).Set([1.0])
+    assert Points("Solid", 2.0, stage) == pytest.approx(np.array([Bent(p) for p in rest]), abs=3e-6)
+    rotations = stage.GetPrimAtPath("/Arm/Skeleton/Bend").GetAttribute("rotations")
+    for frame, degrees in ((2.0, 0.0), (3.0, 90.0)):
+        c, s = np.cos(np.radians(degrees / 2)), np.sin(np.radians(degrees / 2))
+        rotations.Set([Gf.Quatf(1), Gf.Quatf(float(c), 0, 0, float(s))], frame)
+    session = _core.Session()
+    TranslateStage(stage, session, Usd.TimeCode(2.5), (-0.5, 0.5))
+    samples = dict(session.Scene().geometry["/Arm/Solid"].geometry.samples)
+    turned = rest - ELBOW
+    for part in (0.0, 0.25, 0.5, 1.0):
+        angle = np.radians(90 * part)
+        turn = np.array([(np.cos(angle), np.sin(angle), 0), (-np.sin(angle), np.cos(angle), 0), (0, 0, 1)])
+        expected = turned @ turn + ELBOW + (0, 0, 2 * part)
+        assert np.array(samples[part - 0.5]) == pytest.approx(expected, abs=1e-5), part
+
+
 @pytest.mark.parametrize("time", [2.0, 2.25, 3.0])
 def test_blend_shape_weights_vary_with_time(time):
     weight = time - 2

@@ -88,15 +88,17 @@ def _ReadAttributes(prim, timeCode):
 
 
 def _ReadLensSamples(prim, motion):
-    """The lens while the shutter is open; empty when it is the same at all times."""
-    attributes = [prim.GetAttribute(name) for name in ("focalLength", "fStop", "focusDistance")]
+    """The lens and the film while the shutter is open; empty when they are the same at all times."""
+    lengths = ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "verticalApertureOffset")
+    attributes = [prim.GetAttribute(name) for name in ("fStop", "focusDistance", *lengths)]
     if not motion.isOn or not any(valueClips.Varies(attribute) for attribute in attributes):
         return []
     samples = []
     for time in motion.times:
         sample = _core.LensSample()
         sample.time = time
-        focalLength, sample.fStop, sample.focusDistance = [float(attribute.Get(motion.At(time))) for attribute in attributes]
-        sample.focalLength = _SceneUnits(focalLength)
+        sample.fStop, sample.focusDistance, *tenths = [float(attribute.Get(motion.At(time))) for attribute in attributes]
+        for name, value in zip(lengths, tenths):
+            setattr(sample, name, _SceneUnits(value))
         samples.append(sample)
     return samples

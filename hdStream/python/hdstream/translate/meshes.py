@@ -19,6 +19,7 @@ _TAG_NAMES = frozenset(_TAG_ARRAYS) | frozenset(_TAG_TOKENS)
 # Size attributes of the implicit gprims and their fallbacks where the core's differ from the type's.
 IMPLICIT_TYPES = ("Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane", "Cylinder_1", "Capsule_1")
 _SHAPE_NUMBERS = ("size", "radius", "height", "width", "length")
+_SHAPE_ATTRIBUTES = (*_SHAPE_NUMBERS, "radiusBottom", "radiusTop")
 _FALLBACKS = {"Capsule": {"radius": 0.5, "height": 1.0}}
 
 
@@ -155,7 +156,7 @@ def _CarryNormals(mesh, atRest):
         mesh.normalSamples = [(time, primvar.values) for time, primvar in samples]
 
 
-def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
+def ReadTetMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     """The surface of a UsdGeomTetMesh as a mesh: `surfaceFaceVertexIndices`, or else the faces that belong to one
     tetrahedron alone, as UsdImaging has them; None without points or faces. Primvars of tetrahedra are left out."""
     points = ReadPoints(prim, names, timeCode)
@@ -167,18 +168,18 @@ def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
     if not faces.size:
         return None
     mesh = _core.GeometryDescription()
-    mesh.points = points
+    mesh.points = points if skin is None else skin.PointsOf(points)
     mesh.faceVertexCounts = np.full(faces.size // 3, 3, np.int32)
     mesh.faceVertexIndices = faces.ravel()
     mesh.subdivisionScheme = "catmullClark"  # as UsdImaging hands it over
-    mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("tetVertexIndices", "surfaceFaceVertexIndices"))
+    mesh.samples = PoseSamples(prim, names, points, motion, warn, ("tetVertexIndices", "surfaceFaceVertexIndices"), skin)
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
 
-def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
+def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn, skin=None):
     """A UsdGeomNurbsPatch as a grid of quads with the surface's normals; None where it is none."""
     points = ReadPoints(prim, names, timeCode)
     if points is None or not points.size:
@@ -191,23 +192,33 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
     if trims:
         warn(prim, "trim curves of NURBS patches are not supported; it is drawn whole")
     mesh = _core.GeometryDescription()
-    mesh.points = patch.Of(points)
+    posed = points if skin is None else skin.PointsOf(points)
+    mesh.points = patch.Of(posed)
     mesh.faceVertexCounts, mesh.faceVertexIndices = patch.Faces()
     mesh.subdivisionScheme = "none"
     mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
-    samples = motion.PointSamplesOf(prim, names, len(points), warn, ("uVertexCount", "vVertexCount"))
+    samples = PoseSamples(prim, names, points, motion, warn, ("uVertexCount", "vVertexCount"), skin)
     mesh.samples = [(time, patch.Of(array)) for time, array in samples]
     mesh.primvars = patch.Primvars(PrimvarsOf(prim, names, inherited, timeCode), prim, warn)
     side = np.float32(-1.0 if mesh.leftHanded else 1.0)
-    normals = [patch.Normals(array) for array in (points, *(array for _, array in samples))]
+    normals = [patch.Normals(array) for array in (posed, *(array for _, array in samples))]
     if all(rows is not None for rows in normals):  # at a pole they are those of the faces around
         mesh.primvars = mesh.primvars + [_core.Primvar("normals", _core.Interpolation.Vertex, side * normals[0])]
         mesh.normalSamples = [(time, side * rows) for (time, _), rows in zip(samples, normals[1:])]
     return mesh
 
 
-def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
+def ReadImplicit(prim, typeName, names, inherited, timeCode, motion, warn):
     """The description of an implicit gprim: OpenUSD's mesh of it, fitted so that its limit surface is the gprim."""
+    mesh = _ImplicitCage(prim, typeName, names, timeCode, warn)
+    mesh.samples = motion.ShapeSamplesOf(
+        prim, [name for name in _SHAPE_ATTRIBUTES if name in names], len(mesh.points),
+        lambda time: np.asarray(_ImplicitCage(prim, typeName, names, time, lambda *_: None).points))
+    mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
+    return mesh
+
+
+def _ImplicitCage(prim, typeName, names, timeCode, warn):
     baseType = typeName[:-2] if typeName.endswith("_1") else typeName
     shape = _core.ImplicitShape()
     shape.type = baseType
@@ -227,7 +238,6 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
             warn(prim, f"axis {shape.axis} is unknown; Z is used")
     mesh = _core.MakeImplicitMesh(shape)
     _core.FitLimitSurface(mesh)
-    mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
 

@@ -18,6 +18,9 @@ _NUM_STEPS = 8
 # And what accelerations or angular velocities move.
 _NUM_CURVED_STEPS = 16
 
+# The core leaves out what keys lack of the longest way where that is this part of it or less (scene/geometryMotion).
+_STRAIGHT = 256
+
 _SHUTTER = ("shutter:open", "shutter:close")
 
 CHANGES_IN_NUMBER = "its points change in number while the shutter is open: drawn without motion blur"
@@ -157,6 +160,13 @@ class Motion:
         arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
         return _SamplesOrWarning(prim, self._Told(times), arrays, count, warn)
 
+    def ShapeSamplesOf(self, prim, names, count, pointsAt):
+        """(time, points) of a gprim that attributes of those names give its shape; pointsAt(timeCode) are its points."""
+        if not self.isOn or not any(valueClips.Varies(prim.GetAttribute(name)) for name in names):
+            return []
+        times = self.TimesOf(prim, names)
+        return _Samples(self._Told(times), [pointsAt(self.At(time)).reshape(-1, 3) for time in times], count)
+
     def ArraySamplesOf(self, prim, name, count):
         """(time, values) of an attribute that has `count` of them; None where it has other numbers at some time."""
         attribute = prim.GetAttribute(name)
@@ -180,8 +190,9 @@ class Motion:
         return any(value != values[0] for value in values)
 
     def SkinnedSamplesOf(self, times, arrays, count):
-        """The same of a skinned prim, of its points at `times`."""
-        return _Samples(self._Told(times), arrays, count) if self.isOn else []
+        """The same of a skinned prim, of its points at `times`; those at the ends alone where the way is straight."""
+        samples = _Samples(self._Told(times), arrays, count) if self.isOn else []
+        return [samples[0], samples[-1]] if samples and _IsStraight(samples) else samples
 
     def PrimvarSamplesOf(self, prim, name, names, primvars):
         """(time, values) of the primvar `name` of a gprim, or the attribute; empty where its indices change."""
@@ -205,6 +216,15 @@ class Motion:
             return []
         matrices = [camera.GetCamera(self.At(time)).transform for time in self.times]
         return self.SamplesOf(matrices if any(matrix != matrices[0] for matrix in matrices) else None)
+
+
+def _IsStraight(samples):
+    """Whether points of (time, points) go straight and evenly from the first to the last, but for what the core leaves out."""
+    (opened, first), (closed, last) = samples[0], samples[-1]
+    with np.errstate(all="ignore"):  # of what is not finite no comparison holds
+        way = max(float(np.abs(points - first).max()) for _, points in samples[1:])
+        return all(np.abs(points - first - (time - opened) / (closed - opened) * (last - first)).max() <= way / _STRAIGHT
+                   for time, points in samples[1:-1])
 
 
 def SampleAt(samples, time, still):

@@ -184,7 +184,7 @@ class Patch:
         weights = prim.GetAttribute("pointWeights").Get(timeCode)
         self.gridSizes, self.numPoints = None, numPoints
         isUsable = self.sizes[0] * self.sizes[1] == numPoints and all(
-            order >= 2 and size >= order and len(own) == size + order and (np.diff(own) >= 0).all()
+            order >= 2 and size >= order and len(own) == size + order and np.isfinite(own).all() and (np.diff(own) >= 0).all()
             for order, size, own in zip(orders, self.sizes, knots))
         ends = [_Ends(own, order, interval) for own, order, interval in zip(knots, orders, ranges)] if isUsable else [None]
         if any(end is None for end in ends):

@@ -11,9 +11,18 @@ PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
     Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier & ~Usd.PrimIsAbstract)
 IDENTITY = Gf.Matrix4d(1.0)
+BINDING = "material:binding"
 _STRONGER = "strongerThanDescendants"
 # What instances of one prototype may be animated by, each by its own.
 SKEL_BINDINGS = frozenset(("skel:animationSource", "skel:skeleton"))
+
+
+def HasBindings(names):
+    """Whether a prim has bindings of materials of its own; asked of each, so no generator."""
+    for name in names:
+        if name.startswith(BINDING):
+            return True
+    return False
 
 
 class State:
@@ -60,12 +69,12 @@ class State:
         """Takes the material bindings authored on `prim` over (this state is still private)."""
         bindings = dict(self.bindings)
         for name in names:
-            if not name.startswith("material:binding"):
+            if not name.startswith(BINDING):
                 continue
-            if name.startswith("material:binding:collection"):
+            if name.startswith(f"{BINDING}:collection"):
                 self.hasCollections = True
                 continue
-            purpose = name[len("material:binding"):]
+            purpose = name[len(BINDING):]
             inherited = bindings.get(purpose)
             if inherited and inherited[1] == _STRONGER:
                 continue

@@ -8,7 +8,10 @@ rounding. One prim's points are held at a time. Explained in docs/materials.md, 
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
+from hdstream.translate import valueClips
+
 _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+_JOINT_ANIMATION = ("translations", "rotations", "scales")
 # What prims that are to be skinned have of their own.
 _INFLUENCES = frozenset(("primvars:skel:jointIndices", "skel:blendShapes"))
 
@@ -114,10 +117,16 @@ class _Skinning:
         return skinned
 
     def TimesOf(self, prim, rootPrim, motion):
-        """When a prim is to be skinned while the shutter is open: at its ends, and where its animation has samples."""
-        animation = self._cache.GetSkelQuery(self._TargetOf(prim, rootPrim)[0]).GetAnimQuery()
-        names = ("translations", "rotations", "scales", "blendShapeWeights")
-        return motion.TimesOf(animation.GetPrim() if animation else prim, names)
+        """When a prim is to be skinned while the shutter is open: at its ends and where its animation has samples, and where
+        joints or skeletons move, which may turn, as often as transforms are sampled."""
+        skeleton, query = self._TargetOf(prim, rootPrim)
+        animation = self._cache.GetSkelQuery(skeleton).GetAnimQuery()
+        animationPrim = animation.GetPrim() if animation else prim
+        times = motion.TimesOf(animationPrim, (*_JOINT_ANIMATION, "blendShapeWeights"))
+        if query.HasJointInfluences() and (_VariesAny(animationPrim, _JOINT_ANIMATION) or
+                                           any(_MovesBelow(rootPrim, one) for one in (skeleton.GetPrim(), prim))):
+            times = sorted({*times, *motion.times})
+        return times
 
     def _TargetOf(self, prim, rootPrim):
         """(skeleton, skinning query) of a prim; None when nothing skins it."""
@@ -172,6 +181,19 @@ class _Skinning:
             self._warn(prim, "its joint influences do not fit; drawn unskinned")
             return points
         return _Transformed(moved, toLocal)
+
+
+def _VariesAny(prim, names):
+    return any(attribute and valueClips.Varies(attribute) for attribute in (prim.GetAttribute(name) for name in names))
+
+
+def _MovesBelow(ancestor, prim):
+    """Whether a prim moves against one above it."""
+    while prim and prim != ancestor:
+        if prim.IsA(UsdGeom.Xformable) and valueClips.TransformVaries(prim):
+            return True
+        prim = prim.GetParent()
+    return False
 
 
 def _Transformed(points, matrix):
