@@ -8,7 +8,8 @@ Kernels and prepared geometry are made by a short render before. Prints when how
 between two reports that differ, the seconds from asking for the end to the end (so many times, at moments spread over the
 render), and, with --edits, the seconds from an edit to the first coarse picture and to the first one of all pixels, for a
 moved camera and for a moved mesh, as a host that edits while nothing is rendered sees them. NAME=VALUE are settings
-(docs/settings.md). The exit code is 1 when a gap is above 1.5 s or a cancellation takes more than 0.5 s.
+(docs/settings.md). Without --camera the first one of the stage is used. The exit code is 1 when a gap is above 1.5 s or a
+cancellation takes more than 0.5 s.
 Run with PYTHONPATH=build/release/python.
 """
 
@@ -145,6 +146,8 @@ def main() -> int:
     parser.add_argument("--edits", type=int, default=0)
     arguments = parser.parse_intermixed_args()
     scene = Scene(arguments.stage, arguments.camera, **_SettingsOf(arguments))
+    if not arguments.camera:
+        scene.settings["camera"] = min(scene.session.Scene().cameras, default="")
     scene.Render(1, imageWidth=320, imageHeight=180)
     isGood = True
     if arguments.samples > 0:

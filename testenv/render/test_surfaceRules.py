@@ -229,3 +229,25 @@ def test_opacityMode(tmp_path):
     assert not found["absent"].any() and found["transparent"].all()
     np.testing.assert_array_equal(found["materialX1"], found["presence"])
     np.testing.assert_array_equal(found["materialX0"], found["transparent"])
+
+
+def test_what_passes_goes_straight(tmp_path):
+    """A lamp behind a tilted pane of opacity 0 lies where it lies without the pane, whatever the index, and loses 1 - F
+    (docs/decisions/0022-opacity-goes-straight.md). An index of 2 that bent what passes would move it by its own width."""
+    found, angle, ior = [], 55.0, 2.0
+    for hasPane in (False, True):
+        stage = author.NewStage(str(tmp_path / f"{hasPane}.usda"))
+        lamp = author.AddMaterial(stage, "/World/Lamp", diffuseColor=(0, 0, 0), emissiveColor=(1, 1, 1), ior=1.0)
+        author.AddMesh(stage, "/World/Patch", shapes.Plane(2, 2), material=lamp, rotate=(90, 0, 0), translate=(0, 0, -3))
+        if hasPane:
+            glass = author.AddMaterial(stage, "/World/Glass", diffuseColor=(0, 0, 0), ior=ior, opacity=0.0)
+            author.AddMesh(stage, "/World/Pane", shapes.Plane(20, 20), material=glass, rotate=(90 - angle, 0, 0), doubleSided=True)
+        author.AddCamera(stage, eye=(0, 0, 20), width=60.0, aspect=1.0, orthographic=True)
+        stage.GetRootLayer().Save()
+        found.append(ours.Render(stage.GetRootLayer().realPath, 24, 24, samples=256).rgb[..., 0])
+    without, behind = found
+    assert (without == 0).sum() > 300 and (without > 0.99).sum() > 30
+    np.testing.assert_array_equal(behind == 0, without == 0)
+    normal = ((1 - ior) / (1 + ior)) ** 2
+    fresnel = normal + (1 - normal) * (1 - np.cos(np.radians(angle))) ** 5
+    assert behind[without > 0.99].mean() == pytest.approx((1 - fresnel) * without[without > 0.99].mean(), rel=0.02)
