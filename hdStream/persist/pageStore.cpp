@@ -324,6 +324,12 @@ std::optional<std::uint64_t> PageStore::Bytes(const PageKey& key) const {
     return page ? std::optional<std::uint64_t>(page->stored.bytes) : std::nullopt;
 }
 
+void PageStore::Forget(const PageKey& key) {
+    if (const auto page = _impl->Find(key)) {
+        _impl->Reject(key, *page);
+    }
+}
+
 bool PageStore::Load(const PageKey& key, std::vector<std::uint8_t>* bytes) {
     const auto page = _impl->Find(key);
     if (!page) {

@@ -102,6 +102,10 @@ public:
     /// \return whether the page is in the store now.
     bool Save(const PageKey& key, const void* data, std::size_t bytes);
 
+    /// A page that should not have been saved: it is absent from now on, and in stores that are
+    /// opened later.
+    void Forget(const PageKey& key);
+
     /// For zero-copy reading through SegmentData. The page is verified the first time; a damaged
     /// one is forgotten as by Load.
     std::optional<PageLocation> Locate(const PageKey& key);

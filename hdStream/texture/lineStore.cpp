@@ -85,6 +85,12 @@ bool LineStore::Keep(std::uint32_t index) const {
     return false;
 }
 
+void LineStore::ForgetSaved() const {
+    for (std::uint32_t index = 0; _store && index < _groups.size(); ++index) {
+        _store->Forget(KeyOf(index));
+    }
+}
+
 /// The page of a group, which is opened when it is asked for first; null: it is not there.
 const OpenedPage* LineStore::PageOf(std::uint32_t group) const {
     std::atomic<const OpenedPage*>& kept = _groups[group].page;

@@ -43,6 +43,9 @@ public:
     /// Says that lines [first, first + count) are filled in, once each.
     void Complete(std::uint32_t first, std::uint32_t count);
 
+    /// Takes all groups out of the store again: they are not of the file that the key names.
+    void ForgetSaved() const;
+
     /// Copies a line. \return false when its group is not there (any more).
     bool Read(std::uint32_t line, TextureLine* out) const;
     /// Copies lines [first, first + count) to `out`. \return false when one is not there.

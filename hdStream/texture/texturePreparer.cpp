@@ -92,11 +92,15 @@ std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSourc
             // What is read of a file that changes meanwhile must not be kept under its old key.
             const std::optional<PageKey> before = TextureKey(source, request);
             // Nor can any more be made of it later.
-            const bool isAll = !before || i + 1 == kMaxTries;
-            result =
-                BuildTexture(source, request, before ? _store : nullptr, before.value_or(PageKey()),
-                             isAll ? BuildExtent() : BuildExtent{texelsAtOnce, _keptBytes});
+            const bool isLast = i + 1 == kMaxTries;
+            const bool isAll = !before || isLast;
+            result = BuildTexture(source, request, before && !isLast ? _store : nullptr,
+                                  before.value_or(PageKey()),
+                                  isAll ? BuildExtent() : BuildExtent{texelsAtOnce, _keptBytes});
             isStable = TextureKey(source, request) == before;
+            if (!isStable && result.lines) {
+                result.lines->ForgetSaved();
+            }
             key = before;
         }
         if (isStable && result.image) {

@@ -97,12 +97,17 @@ PreparedGrids GridPreparer::Prepare(const VdbRequest& request, std::uint64_t byt
     for (int i = 0; i < kMaxTries && grids.empty(); ++i) {
         // What is read of a file that changes meanwhile must not be kept under its old key.
         key = FileKey(request, bytes);
-        std::vector<BuiltGrid> built =
-            BuildFile(request, key ? _store : nullptr, key.value_or(PageKey()), error);
+        std::vector<BuiltGrid> built = BuildFile(
+            request, key && i + 1 < kMaxTries ? _store : nullptr, key.value_or(PageKey()), error);
         if (built.empty()) {
             return {};
         }
         const bool isStable = key && FileKey(request, bytes) == key;
+        for (const BuiltGrid& grid : built) {
+            if (!isStable) {
+                grid.lines->ForgetSaved();
+            }
+        }
         for (std::size_t k = 0; k < built.size() && (isStable || i + 1 == kMaxTries); ++k) {
             // Only beside bricks that are all in the store: else the next process would find none.
             if (isStable && _store && built[k].lines->HostBytes() == 0) {

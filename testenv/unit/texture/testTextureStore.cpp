@@ -47,6 +47,32 @@ TEST_F(TextureStoreTest, ASecondProcessFindsTheSameTexture) {
     EXPECT_GT(texture->NumLines(), LineStore::kGroupLines); // several pages
 }
 
+// What was saved of a file that changed while it was read.
+TEST_F(TextureStoreTest, LinesThatAreForgottenAreAbsentFromThenOn) {
+    const PageKey key{{7, 8}};
+    const std::uint32_t numLines = 2 * LineStore::kGroupLines + 5;
+    const auto fill = [&](LineStore* lines) {
+        for (std::uint32_t line = 0; line < numLines; ++line) {
+            lines->Open(line)->fill(line);
+            lines->Complete(line, 1);
+        }
+    };
+    const auto store = OpenStore();
+    LineStore lines(store, key, numLines);
+    fill(&lines);
+    ASSERT_TRUE(LineStore(OpenStore(), key, numLines).Has(numLines - 1));
+    lines.ForgetSaved();
+    for (const std::uint32_t line : {0U, LineStore::kGroupLines, numLines - 1}) {
+        EXPECT_FALSE(LineStore(store, key, numLines).Has(line)) << line;
+        EXPECT_FALSE(LineStore(OpenStore(), key, numLines).Has(line)) << line;
+    }
+    LineStore again(store, key, numLines);
+    fill(&again);
+    TextureLine line{};
+    ASSERT_TRUE(LineStore(OpenStore(), key, numLines).Read(numLines - 1, &line));
+    EXPECT_EQ(line[0], numLines - 1);
+}
+
 TEST_F(TextureStoreTest, TheDescriptionIsKeptWhole) {
     const std::string path =
         WriteImage("part.exr", 300, 200, 1, OIIO::TypeFloat, [](int x, int y, int) {
