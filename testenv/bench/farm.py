@@ -2,13 +2,18 @@
 """A cluster of processes beside one process: bits, losses, time, and what a worker loads (docs/farm.md).
 
     PYTHONPATH=build/release/python python testenv/bench/farm.py [--workers 4] [--width 160] [--samples 64] [--seed 1]
+    PYTHONPATH=build/release/python python testenv/bench/farm.py --island 0.1 [--scratch FOLDER]
 
 Renders 24 frames of an animated stage and one frame split by samples and by tiles, with two workers killed at random
 while frames are rendered; compares every picture with one process's, to the bit.
 Workers share the machine's cores, so a speed-up above 1 needs more cores than the driver of one process uses.
+
+With --island it is a generated island (testenv/stages/island.py) instead, and nothing but what workers load: one with an empty
+cache, two that start at once with an empty one, and one with what each of these left.
 """
 
 import argparse
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -22,6 +27,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "testenv" / "support"), str(ROOT / "testenv")]
+from bench import islandRun  # noqa: E402
+from bench.recordRun import AnonymousPeak, FreshCache, Record, Segments  # noqa: E402
 from farmCluster import Cluster  # noqa: E402
 
 NUM_FRAMES = 24
@@ -95,6 +102,32 @@ def KillSome(processes, done, generator, killed):
         killed.append(name)
 
 
+def _IslandWorker(stage, cache, options):
+    """The figures of a worker's first frame. CPU seconds are those of workers that run at once together."""
+    anonymous = AnonymousPeak()
+    run = Record(stage, cache, onPoll=anonymous, camera="/World/Inside", imageWidth=options.width, samples=1, residency="stream",
+                 geometryMemory="512M", hostMemory="4G")
+    time, geometry = run["time"], run["geometry"]
+    return {"CPU s": f"{run['cpuSeconds']:.1f}", "read USD s": f"{time['load'] + time['translate']:.1f}",
+            "first pixel s": f"{time['firstPixel']:.1f}", "process MB": f"{anonymous.bytes / 1e6:.0f}",
+            "chunks made": str(geometry["chunksBuilt"]), "chunks from the cache": str(geometry["chunksFromCache"]),
+            "loaded MB": f"{geometry['uploadedBytes'] / 1e6:.0f}"}
+
+
+def Island(options, scratch):
+    """Rows of workers on an island, of which those of a cache share a folder."""
+    stage, _ = islandRun.Stage(scratch, options.island)
+    table = islandRun.Table()
+    for together in (1, 2):
+        cache = FreshCache(scratch / "farm-cache", scratch / "kernels")
+        for when, count in (("empty", together), (f"filled by {together}", 1)):
+            with concurrent.futures.ThreadPoolExecutor(count) as pool:
+                runs = list(pool.map(lambda _: _IslandWorker(stage, cache, options), range(count)))
+            megabytes = sum(segment.stat().st_size for segment in Segments(cache)) / 1e6
+            for run in runs:
+                table.Add({"workers at once": str(count), "cache": when, **run, "cache MB afterwards": f"{megabytes:.0f}"})
+
+
 def Main():
     parser = argparse.ArgumentParser(description="A farm beside one process.")
     parser.add_argument("--workers", type=int, default=4, help="more than the two that are killed (4)")
@@ -104,7 +137,13 @@ def Main():
     parser.add_argument("--singleSamples", type=int, help="of that frame (8 times --samples)")
     parser.add_argument("--rows", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1, help="of who is killed when")
+    parser.add_argument("--island", type=float, help="size of an island: only what its workers load")
+    parser.add_argument("--scratch", type=pathlib.Path, help="folder that keeps the island")
     options = parser.parse_args()
+    if options.island:
+        with islandRun.Scratch(options) as scratch:
+            Island(options, scratch)
+        return 0
     single = dict(samples=options.singleSamples or 8 * options.samples, width=options.singleWidth or options.width)
     generator = random.Random(options.seed)
     share = str(max(1, (os.cpu_count() or 1) // options.workers))
