@@ -355,7 +355,7 @@ bool PrimCommit::AreViewsAsBefore() const {
 
 /// \pre there is a camera that dices.
 std::map<std::string, DicingView>
-PrimCommit::FindViews(const std::vector<const GeometryEntry*>& prims) const {
+PrimCommit::FindViews(const std::vector<const GeometryEntry*>& wanted) const {
     const auto reachOf = [this](const GeometryEntry& entry) {
         const std::size_t index = IndexOf(entry.first);
         std::vector<DisplacementInput> inputs;
@@ -364,7 +364,7 @@ PrimCommit::FindViews(const std::vector<const GeometryEntry*>& prims) const {
         }
         return DisplacementReachOf(*entry.second.geometry, inputs);
     };
-    return FindDicingViews(_scene, prims, *_options.dicingCamera, _options.shutter, reachOf);
+    return FindDicingViews(_scene, wanted, *_options.dicingCamera, _options.shutter, reachOf);
 }
 
 bool PrimCommit::AreViewsAsBefore(const std::vector<const GeometryEntry*>& visible) const {
