@@ -56,12 +56,16 @@ void CheckSettings(const Settings& settings) {
                        settings.displayWindow[3] > settings.displayWindow[1])) {
         throw Error("displayWindow: it is empty", ErrorKind::Usage);
     }
-    for (const double corner : settings.displayWindow) {
-        if (!(std::abs(corner) <= kMaxWindow)) {
-            throw Error("displayWindow: " + std::to_string(corner) + " is out of range",
-                        ErrorKind::Usage);
+    const auto checkCorners = [](const char* name, const std::array<double, 4>& window) {
+        for (const double corner : window) {
+            if (!(std::abs(corner) <= kMaxWindow)) {
+                throw Error(std::string(name) + ": " + std::to_string(corner) + " is out of range",
+                            ErrorKind::Usage);
+            }
         }
-    }
+    };
+    checkCorners("displayWindow", settings.displayWindow);
+    checkCorners("uncroppedWindow", settings.uncroppedWindow);
     CheckAovs(settings.aovs);
     if (!settings.workingSpace.empty() && !IsWorkingSpace(settings.workingSpace)) {
         throw Error("--workingSpace: '" + settings.workingSpace +
