@@ -9,12 +9,16 @@
 #include <glm/vec2.hpp>
 
 #include <cstdint>
+#include <vector>
 
 namespace hds {
 
 /// What a dicing camera sees, and where the object's finest instance is. The camera looks along -z.
 struct DicingView {
     glm::dmat4 cameraFromObject{1.0};
+    /// Where it also is: at other times of the shutter, or instances that are as near. Edges have
+    /// the highest level that one of the places asks for.
+    std::vector<glm::dmat4> otherPlaces;
     bool isOrthographic = false;
     bool isPanoramic = false; ///< it may see all around; borders are in radians
     /// The image's borders: at distance 1 (perspective), or of every distance (orthographic).
@@ -22,16 +26,17 @@ struct DicingView {
     glm::dvec2 windowMax{1.0};
     glm::dvec2 imageSize{0.0}; ///< pixels; 0: nothing is on screen
     double nearClip = 1e-3;    ///< distances below count as this
-    /// Nothing else of the object is on screen: what this instance hides from the image is coarse.
+    /// Nothing else of the object is on screen: what lies beside the image on the way through all
+    /// places, which is straight from one to the next, is coarse.
     /// Else rates follow from distances, whatever the image shows.
     bool isOnlyInstance = true;
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(DicingView, cameraFromObject),
-                         HDS_FIELD(DicingView, isOrthographic), HDS_FIELD(DicingView, isPanoramic),
-                         HDS_FIELD(DicingView, windowMin), HDS_FIELD(DicingView, windowMax),
-                         HDS_FIELD(DicingView, imageSize), HDS_FIELD(DicingView, nearClip),
-                         HDS_FIELD(DicingView, isOnlyInstance));
+                         HDS_FIELD(DicingView, otherPlaces), HDS_FIELD(DicingView, isOrthographic),
+                         HDS_FIELD(DicingView, isPanoramic), HDS_FIELD(DicingView, windowMin),
+                         HDS_FIELD(DicingView, windowMax), HDS_FIELD(DicingView, imageSize),
+                         HDS_FIELD(DicingView, nearClip), HDS_FIELD(DicingView, isOnlyInstance));
     }
 };
 

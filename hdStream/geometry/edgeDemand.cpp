@@ -3,6 +3,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -100,7 +101,9 @@ void AddTwist(const glm::dvec3* net, std::size_t n, double cells, GridDemand& de
 
 } // namespace
 
-Screen::Screen(const DicingView& view) : _view(view) {
+Screen::Screen(const DicingView& view, std::size_t place)
+    : _view(view),
+      _cameraFromObject(place == 0 ? view.cameraFromObject : view.otherPlaces[place - 1]) {
     const glm::dvec2 size = view.windowMax - view.windowMin;
     _pixels = std::max(view.imageSize.x / size.x, view.imageSize.y / size.y);
     const glm::dvec2 far = glm::max(glm::abs(view.windowMin), glm::abs(view.windowMax));
@@ -108,39 +111,62 @@ Screen::Screen(const DicingView& view) : _view(view) {
 }
 
 glm::dvec3 Screen::ToCamera(const glm::dvec3& point) const {
-    return glm::dvec3(_view.cameraFromObject * glm::dvec4(point, 1.0));
+    return glm::dvec3(_cameraFromObject * glm::dvec4(point, 1.0));
 }
 
-double Screen::PixelsPerUnit(const glm::dvec3* points, std::size_t count,
-                             std::size_t stride) const {
-    if (_view.isOrthographic) {
-        return _pixels;
+double Screen::Stretch() const {
+    // The square of the norm is the largest eigenvalue of M^T M, which no row's sum is below.
+    const glm::dmat3 linear(_cameraFromObject);
+    const glm::dmat3 squares = glm::transpose(linear) * linear;
+    double largest = 0.0;
+    for (int row = 0; row < 3; ++row) {
+        const glm::dvec3 sizes = glm::abs(squares[row]); // it is symmetric
+        largest = std::max(largest, sizes.x + sizes.y + sizes.z);
     }
+    return std::sqrt(largest);
+}
+
+double Screen::Nearest(const glm::dvec3* points, std::size_t count, std::size_t stride) const {
     double nearest = 1e300;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count && !_view.isOrthographic; ++i) {
         // Depth; what other instances, or a camera that turns, may bring on screen is not nearer
         // than its distance lets it be.
         const glm::dvec3& p = points[i * stride];
         const bool isByDepth = _view.isOnlyInstance && !_view.isPanoramic;
         nearest = std::min(nearest, isByDepth ? -p.z : glm::length(p) * _leastCosine);
     }
-    return _pixels / std::max(nearest, _view.nearClip);
+    return nearest;
 }
 
-bool Screen::IsOutside(const std::vector<glm::dvec3>& points) const {
+double Screen::PixelsAt(double nearest) const {
+    return _view.isOrthographic ? _pixels : _pixels / std::max(nearest, _view.nearClip);
+}
+
+std::uint32_t Screen::SidesBeyond(const std::vector<glm::dvec3>& points, double reach) const {
     if (_view.isPanoramic) {
-        return false;
+        return 0;
     }
-    bool isBeyond[5] = {true, true, true, true, true};
+    // Borders are planes through the eye, unless orthographic.
+    const auto along = [&](double border) {
+        return _view.isOrthographic ? reach : reach * std::sqrt(1.0 + border * border);
+    };
+    const double left = along(_view.windowMin.x);
+    const double right = along(_view.windowMax.x);
+    const double bottom = along(_view.windowMin.y);
+    const double top = along(_view.windowMax.y);
+    std::uint32_t sides = 31;
     for (const glm::dvec3& p : points) {
         const double scale = _view.isOrthographic ? 1.0 : -p.z;
-        isBeyond[0] = isBeyond[0] && p.x < _view.windowMin.x * scale;
-        isBeyond[1] = isBeyond[1] && p.x > _view.windowMax.x * scale;
-        isBeyond[2] = isBeyond[2] && p.y < _view.windowMin.y * scale;
-        isBeyond[3] = isBeyond[3] && p.y > _view.windowMax.y * scale;
-        isBeyond[4] = isBeyond[4] && p.z > 0.0;
+        const auto keepIf = [&](std::uint32_t side, bool isBeyond) {
+            sides &= isBeyond ? ~0U : ~side;
+        };
+        keepIf(1, p.x < _view.windowMin.x * scale - left);
+        keepIf(2, p.x > _view.windowMax.x * scale + right);
+        keepIf(4, p.y < _view.windowMin.y * scale - bottom);
+        keepIf(8, p.y > _view.windowMax.y * scale + top);
+        keepIf(16, p.z > reach);
     }
-    return std::any_of(isBeyond, isBeyond + 5, [](bool beyond) { return beyond; });
+    return sides;
 }
 
 void EdgeDemand::Add(const EdgeDemand& other) {
@@ -197,7 +223,7 @@ EdgeDemand MeasureLine(const std::vector<glm::dvec3>& line, bool isHalf) {
 }
 
 std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,
-                     const DicingOptions& options) {
+                     const DicingOptions& options, std::uint32_t most) {
     const double length = demand.length * pixels;
     const double turn = demand.turn / (options.maxTurnDegrees * kRadians);
     double rate = std::min(turn, length / kTurnPixels);
@@ -205,7 +231,7 @@ std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,
     if (bump * pixels > options.maxErrorPixels) {
         rate = std::max(rate, length / options.maxBumpPixels);
     }
-    const std::uint32_t bound = std::min(options.level, kMaxDicingLevel);
+    const std::uint32_t bound = std::min(most, kMaxDicingLevel);
     std::uint32_t level = 0;
     // Not a number asks for nothing.
     while (level < bound &&

@@ -14,19 +14,26 @@
 
 namespace hds {
 
-/// A view's projection.
+/// A view's projection of an object in one of its places.
 class Screen {
 public:
-    explicit Screen(const DicingView& view);
+    /// \param place 0: cameraFromObject, 1 + i: otherPlaces[i].
+    Screen(const DicingView& view, std::size_t place);
 
     glm::dvec3 ToCamera(const glm::dvec3& point) const;
-    /// Pixels of a unit length at the nearest of some points in camera space, seen from the front.
-    double PixelsPerUnit(const glm::dvec3* points, std::size_t count, std::size_t stride) const;
-    /// True when all points (camera space) lie beyond one side of the image.
-    bool IsOutside(const std::vector<glm::dvec3>& points) const;
+    /// By how much the place stretches lengths, at most.
+    double Stretch() const;
+    /// How near some points (camera space) come, as depth where that counts.
+    double Nearest(const glm::dvec3* points, std::size_t count, std::size_t stride) const;
+    /// Pixels of a unit length that is so near, seen from the front.
+    double PixelsAt(double nearest) const;
+    /// The sides of the image, as bits, that all points (camera space) lie beyond, with all that is
+    /// within `reach` of them.
+    std::uint32_t SidesBeyond(const std::vector<glm::dvec3>& points, double reach) const;
 
 private:
     const DicingView& _view;
+    const glm::dmat4& _cameraFromObject;
     double _pixels;            ///< of a unit length at distance 1
     double _leastCosine = 1.0; ///< of the angle between the view and a corner of the image
 };
@@ -60,8 +67,8 @@ EdgeDemand MeasureTriangle(const glm::dvec3* net, std::size_t n);
 EdgeDemand MeasureLine(const std::vector<glm::dvec3>& line, bool isHalf);
 
 /// Level of an edge whose segments are within the bounds. \param pixels of a unit length.
-/// \param bump how much displacement varies.
+/// \param bump how much displacement varies. \param most level.
 std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,
-                     const DicingOptions& options);
+                     const DicingOptions& options, std::uint32_t most);
 
 } // namespace hds

@@ -18,6 +18,11 @@ constexpr double kCubicMargin = 1e-6;
 /// Lines of a face along one parameter that are measured where displacement varies: their other
 /// parameter.
 constexpr double kMovedLines[] = {1.0 / 6.0, 1.0 / 2.0, 5.0 / 6.0};
+/// Of a moved face, a side: how long and how near it is, before lines are taken.
+constexpr int kMovedSamples = 3;
+/// Displacement that reaches farther than this part of the distance from the eye is sampled for how
+/// near it comes.
+constexpr double kNearPart = 1.0 / 8.0;
 
 /// Control points of the cubic patch over a part of a quad, [v][u], by its corners' derivatives.
 std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface, const PatternBox& part) {
@@ -188,100 +193,196 @@ bool FaceMeter::IsBent() const {
     return isBent;
 }
 
-/// Samples of a surface that is not one patch, per grid [v][u] or, of a triangle, row by row.
-std::vector<glm::dvec3> FaceMeter::SamplePoints(int n) const {
+/// Samples per grid [v][u] or, of a triangle, row by row.
+std::vector<glm::dvec3> FaceMeter::SamplePoints(int n, const PositionAt& positionAt) const {
     std::vector<glm::dvec3> points;
     const std::uint32_t numGrids =
         _shape == FaceShape::SubQuads ? std::uint32_t(_model.Cage().counts[_face]) : 1;
     for (std::uint32_t grid = 0; grid < numGrids; ++grid) {
         for (int y = 0; y < n; ++y) {
             for (int x = 0; x < (_shape == FaceShape::Triangle ? n - y : n); ++x) {
-                points.push_back(_surface.Point({int(grid), glm::dvec2(x, y) / double(n - 1)}));
+                points.push_back(positionAt({int(grid), glm::dvec2(x, y) / double(n - 1)}));
             }
         }
     }
     return points;
 }
 
-/// What some lines of the moved surface ask for; of a triangle its medians, for both parameters.
-/// \param numCells samples along an edge.
-void FaceMeter::AddMoved(const SurfaceMove& move, const Screen& screen, std::size_t numCells,
-                         GridDemand* demand) const {
-    if (!move.positionAt || numCells < 2) {
-        return;
+FaceMeter::Net FaceMeter::MakeNet(const SurfaceMove& move) const {
+    const bool isMoved = move.IsEven() && move.range.low != 0.0;
+    if (IsBezier() && !isMoved) {
+        return {_net, 4, true};
     }
+    const int numCells = (IsBent() ? 16 : 4) / (_shape == FaceShape::SubQuads ? 2 : 1);
+    const auto positionAt = [&](const FacePoint& at) {
+        if (!isMoved) {
+            return _surface.Point(at);
+        }
+        const SurfaceFrame frame = _surface.Frame(at);
+        return frame.point + move.range.low * _surface.Normal(at, frame);
+    };
+    return {SamplePoints(numCells + 1, positionAt), std::size_t(numCells) + 1, false};
+}
+
+/// \param points camera space. Both parameters have the demand of all, unless the face is a quad.
+GridDemand FaceMeter::Measure(const std::vector<glm::dvec3>& points, std::size_t n,
+                              bool isBezier) const {
+    if (_shape == FaceShape::Quad) {
+        return isBezier ? MeasureBezier(points.data()) : MeasureSamples(points.data(), n, false);
+    }
+    EdgeDemand all;
+    if (_shape == FaceShape::Triangle) {
+        all = MeasureTriangle(points.data(), n);
+    }
+    for (std::size_t begin = 0; _shape == FaceShape::SubQuads && begin < points.size();
+         begin += n * n) {
+        const GridDemand demand = MeasureSamples(points.data() + begin, n, true);
+        all.Add(demand.u);
+        all.Add(demand.v);
+    }
+    return {all, all};
+}
+
+/// Some lines of the moved surface; of a triangle its medians, for both parameters.
+/// \param numCells of a line along a whole edge, at least.
+void FaceMeter::TakeLines(const SurfaceMove& move, std::size_t numCells,
+                          MovedSamples* moved) const {
     const bool isHalf = _shape == FaceShape::SubQuads;
     const std::size_t cells = isHalf ? std::max<std::size_t>(numCells / 2, 1) : numCells;
-    std::vector<glm::dvec3> line(cells + 1);
-    const auto measure = [&](int subFace, const glm::dvec2& from, const glm::dvec2& to) {
+    if (!moved->lines.empty() && moved->lines.front().size() > cells) {
+        return;
+    }
+    moved->lines.clear();
+    const auto take = [&](int subFace, const glm::dvec2& from, const glm::dvec2& to) {
+        std::vector<glm::dvec3>& line = moved->lines.emplace_back(cells + 1);
         for (std::size_t i = 0; i <= cells; ++i) {
-            const glm::dvec2 uv = glm::mix(from, to, double(i) / double(cells));
-            line[i] = screen.ToCamera(move.positionAt({subFace, uv}));
+            line[i] = move.positionAt({subFace, glm::mix(from, to, double(i) / double(cells))});
         }
-        return MeasureLine(line, isHalf);
     };
     if (_shape == FaceShape::Triangle) {
-        demand->u.Add(measure(0, {0.0, 0.0}, {0.5, 0.5}));
-        demand->u.Add(measure(0, {1.0, 0.0}, {0.0, 0.5}));
-        demand->u.Add(measure(0, {0.0, 1.0}, {0.5, 0.0}));
+        take(0, {0.0, 0.0}, {0.5, 0.5});
+        take(0, {1.0, 0.0}, {0.0, 0.5});
+        take(0, {0.0, 1.0}, {0.5, 0.0});
         return;
     }
     const int numGrids = isHalf ? _model.Cage().counts[_face] : 1;
     for (int grid = 0; grid < numGrids; ++grid) {
         for (const double at : kMovedLines) {
-            demand->u.Add(measure(grid, {0.0, at}, {1.0, at}));
-            demand->v.Add(measure(grid, {at, 0.0}, {at, 1.0}));
+            take(grid, {0.0, at}, {1.0, at});
+            take(grid, {at, 0.0}, {at, 1.0});
         }
+    }
+}
+
+/// What lines of the moved surface ask for. \param isNear displacement may bring it much nearer to
+/// the eye. \param most level. \param pixels of a unit length: at first as near as it may be, then,
+/// if `isNear`, as near as samples are.
+void FaceMeter::AddMoved(const SurfaceMove& move, const Screen& screen, bool isNear,
+                         std::uint32_t most, MovedSamples* moved, GridDemand* demand,
+                         double* pixels) const {
+    const double longest = std::max(demand->u.length, demand->v.length);
+    const double turn = std::max(demand->u.turn, demand->v.turn);
+    const double reach = move.Reach() * screen.Stretch();
+    if ((longest + (turn + 2.0) * reach) * *pixels <= 1.0) {
+        return; // below a pixel, wherever it is moved to
+    }
+    if (moved->grid.empty()) {
+        moved->grid = SamplePoints(kMovedSamples, move.positionAt);
+    }
+    const auto toCamera = [&](std::vector<glm::dvec3> points) {
+        std::transform(points.begin(), points.end(), points.begin(),
+                       [&](const glm::dvec3& point) { return screen.ToCamera(point); });
+        return points;
+    };
+    const auto nearestOf = [&](const std::vector<glm::dvec3>& points) {
+        return screen.Nearest(points.data(), points.size(), 1);
+    };
+    const std::vector<glm::dvec3> grid = toCamera(moved->grid);
+    const GridDemand ofGrid = Measure(grid, kMovedSamples, false);
+    double nearest = nearestOf(grid);
+    if (isNear) {
+        *pixels = screen.PixelsAt(nearest);
+    }
+    const std::size_t numCells =
+        CellsOf(std::max({longest, ofGrid.u.length, ofGrid.v.length}) * *pixels, most);
+    if (numCells < 2) {
+        return;
+    }
+    TakeLines(move, numCells, moved);
+    for (std::size_t i = 0; i < moved->lines.size(); ++i) {
+        const std::vector<glm::dvec3> line = toCamera(moved->lines[i]);
+        nearest = std::min(nearest, nearestOf(line));
+        const EdgeDemand ofLine = MeasureLine(line, _shape == FaceShape::SubQuads);
+        if (i % 2 == 0 || _shape == FaceShape::Triangle) {
+            demand->u.Add(ofLine);
+        } else {
+            demand->v.Add(ofLine);
+        }
+    }
+    if (isNear) {
+        *pixels = screen.PixelsAt(nearest);
+    }
+}
+
+/// Raises the levels to what one place asks for. \param most level.
+void FaceMeter::RaiseLevels(const DicingOptions& options, const SurfaceMove& move,
+                            const Screen& screen, const Net& net, std::uint32_t most,
+                            MovedSamples* moved, std::uint8_t* levels) const {
+    std::vector<glm::dvec3> points = net.points;
+    for (glm::dvec3& point : points) {
+        point = screen.ToCamera(point);
+    }
+    const double reach = move.IsEven() ? 0.0 : move.Reach() * screen.Stretch();
+    const double bump = move.IsEven() ? 0.0 : (move.range.high - move.range.low) * screen.Stretch();
+    const double nearest = screen.Nearest(points.data(), points.size(), 1);
+    const bool isNear = move.positionAt && reach > kNearPart * nearest;
+    double pixels = screen.PixelsAt(nearest - reach);
+    GridDemand demand = Measure(points, net.n, net.isBezier);
+    if (move.positionAt) {
+        AddMoved(move, screen, isNear, most, moved, &demand, &pixels);
+    }
+    const auto raise = [](std::uint8_t level, std::uint8_t* to) { *to = std::max(*to, level); };
+    if (_shape != FaceShape::Quad) {
+        demand.u.Add(demand.v);
+        const std::uint8_t level = LevelOf(demand.u, pixels, bump, options, most);
+        std::for_each(levels, levels + _model.Cage().counts[_face],
+                      [&](std::uint8_t& edge) { raise(level, &edge); });
+        return;
+    }
+    const std::size_t n = net.n;
+    const std::size_t first[] = {0, n - 1, n * (n - 1), 0};
+    const std::size_t stride[] = {1, n, 1, n};
+    for (std::size_t edge = 0; edge < 4; ++edge) {
+        const double own =
+            isNear ? pixels
+                   : screen.PixelsAt(screen.Nearest(points.data() + first[edge], n, stride[edge]) -
+                                     reach);
+        raise(LevelOf(edge % 2 == 0 ? demand.u : demand.v, own, bump, options, most),
+              &levels[edge]);
     }
 }
 
 void FaceMeter::RequestLevels(const DicingOptions& options, const SurfaceMove& move,
                               std::uint8_t* levels) const {
-    const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
-    const Screen screen(options.view);
-    const int numCells = (IsBent() ? 16 : 4) / (_shape == FaceShape::SubQuads ? 2 : 1);
-    const int numSamples = IsBezier() ? 4 : numCells + 1;
-    std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints(numSamples);
-    for (glm::dvec3& point : points) {
-        point = screen.ToCamera(point);
-    }
-    DicingOptions limits = options;
-    if (options.view.isOnlyInstance && screen.IsOutside(points)) {
-        limits.level = std::min(options.level, options.offScreenLevel);
-    }
-    const auto n = std::size_t(numSamples);
-    const double pixelsPerUnit = screen.PixelsPerUnit(points.data(), points.size(), 1);
-    const auto addMoved = [&](GridDemand* demand) {
-        const double length = std::max(demand->u.length, demand->v.length) * pixelsPerUnit;
-        AddMoved(move, screen, CellsOf(length, limits.level), demand);
-    };
-    if (_shape == FaceShape::Quad) {
-        GridDemand demand =
-            IsBezier() ? MeasureBezier(points.data()) : MeasureSamples(points.data(), n, false);
-        addMoved(&demand);
-        const std::size_t first[] = {0, n - 1, n * (n - 1), 0};
-        const std::size_t stride[] = {1, n, 1, n};
-        for (std::uint32_t edge = 0; edge < 4; ++edge) {
-            const double pixels =
-                screen.PixelsPerUnit(points.data() + first[edge], n, stride[edge]);
-            levels[edge] = LevelOf(edge % 2 == 0 ? demand.u : demand.v, pixels, move.range, limits);
+    const Net net = MakeNet(move);
+    const std::size_t numPlaces = 1 + options.view.otherPlaces.size();
+    std::uint32_t sidesBeyond = options.view.isOnlyInstance ? ~0U : 0;
+    for (std::size_t place = 0; place < numPlaces && sidesBeyond != 0; ++place) {
+        const Screen screen(options.view, place);
+        std::vector<glm::dvec3> points = net.points;
+        for (glm::dvec3& point : points) {
+            point = screen.ToCamera(point);
         }
-        return;
+        const double reach = move.IsEven() ? 0.0 : move.Reach() * screen.Stretch();
+        sidesBeyond &= screen.SidesBeyond(points, reach);
     }
-    EdgeDemand all;
-    if (_shape == FaceShape::Triangle) {
-        all = MeasureTriangle(points.data(), n);
-    } else {
-        for (std::uint32_t grid = 0; grid < numEdges; ++grid) {
-            const GridDemand demand = MeasureSamples(points.data() + n * n * grid, n, true);
-            all.Add(demand.u);
-            all.Add(demand.v);
-        }
+    const std::uint32_t most =
+        sidesBeyond != 0 ? std::min(options.level, options.offScreenLevel) : options.level;
+    std::fill(levels, levels + _model.Cage().counts[_face], std::uint8_t{0});
+    MovedSamples moved;
+    for (std::size_t place = 0; place < numPlaces; ++place) {
+        RaiseLevels(options, move, Screen(options.view, place), net, most, &moved, levels);
     }
-    GridDemand both{all, all};
-    addMoved(&both);
-    both.u.Add(both.v);
-    std::fill(levels, levels + numEdges, LevelOf(both.u, pixelsPerUnit, move.range, limits));
 }
 
 } // namespace hds

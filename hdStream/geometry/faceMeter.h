@@ -4,9 +4,12 @@
 #pragma once
 
 #include "hdStream/geometry/dicing.h"
+#include "hdStream/geometry/displacement.h"
 #include "hdStream/geometry/edgeDemand.h"
 #include "hdStream/geometry/faceSurface.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -23,11 +26,22 @@ struct ExactBox {
     void Grow(double part);
 };
 
-/// How far a surface is moved.
+/// How a surface is moved.
 struct SurfaceMove {
-    double range = 0.0; ///< by how much amounts differ over the mesh, object space
-    /// Where a point of the face is moved to; empty: all of it by the same.
+    /// Of the amounts over the mesh, object space; of vectors from minus the greatest length to it.
+    AmountRange range;
+    /// Where a point of the face is moved to; empty: all of it by the same along the normals.
     std::function<glm::dvec3(const FacePoint&)> positionAt;
+
+    bool IsEven() const { return range.low == range.high; }
+    /// How far from where it was a point is, at most.
+    double Reach() const { return std::max(std::fabs(range.low), std::fabs(range.high)); }
+};
+
+/// Samples of a moved face in object space, taken when they are first asked for.
+struct MovedSamples {
+    std::vector<glm::dvec3> grid;
+    std::vector<std::vector<glm::dvec3>> lines; ///< along the parameters u and v in turn
 };
 
 /// Measures one face. Externally synchronised.
@@ -43,7 +57,8 @@ public:
     ExactBox BoxOver(const PatternBox& part) const;
 
     /// The level that each edge asks for: what the limit surface needs, and what lines of the
-    /// moved one do. \param levels [edges of the face]
+    /// moved one do, from where that is, in the place of the view that needs most.
+    /// \param levels [edges of the face]
     void RequestLevels(const DicingOptions& options, const SurfaceMove& move,
                        std::uint8_t* levels) const;
 
@@ -52,9 +67,22 @@ private:
     ExactBox HullBox() const;
     void AddSquare(const PatternBox& part, const PatternBox& square, int depth,
                    ExactBox& box) const;
-    std::vector<glm::dvec3> SamplePoints(int n) const;
-    void AddMoved(const SurfaceMove& move, const Screen& screen, std::size_t numCells,
-                  GridDemand* demand) const;
+    /// What is measured of the face, where the same amount moves all of it: there.
+    struct Net {
+        std::vector<glm::dvec3> points; ///< object space
+        std::size_t n = 0;
+        bool isBezier = false;
+    };
+    using PositionAt = std::function<glm::dvec3(const FacePoint&)>;
+    std::vector<glm::dvec3> SamplePoints(int n, const PositionAt& positionAt) const;
+    Net MakeNet(const SurfaceMove& move) const;
+    GridDemand Measure(const std::vector<glm::dvec3>& points, std::size_t n, bool isBezier) const;
+    void TakeLines(const SurfaceMove& move, std::size_t numCells, MovedSamples* moved) const;
+    void AddMoved(const SurfaceMove& move, const Screen& screen, bool isNear, std::uint32_t most,
+                  MovedSamples* moved, GridDemand* demand, double* pixels) const;
+    void RaiseLevels(const DicingOptions& options, const SurfaceMove& move, const Screen& screen,
+                     const Net& net, std::uint32_t most, MovedSamples* moved,
+                     std::uint8_t* levels) const;
     bool IsBezier() const { return _shape == FaceShape::Quad && _surface.IsRegular(); }
 
     const SubdivModel& _model;

@@ -181,7 +181,7 @@ private:
                        std::uint8_t* levels) const {
         const SubdivDisplacement& displacement = _dice.displacement;
         SubdivPoints points(model, displacement, _dice.entries);
-        SurfaceMove move{displacement.range.high - displacement.range.low, {}};
+        SurfaceMove move{displacement.range, {}};
         if (!displacement.IsConstant()) {
             move.positionAt = [&](const FacePoint& at) { return points.OwnPosition({face, at}); };
         }

@@ -51,6 +51,7 @@ struct RenderOptions {
     double pixelAspectRatio = 1.0;
     std::array<double, 4> displayWindow{}; ///< left, top, right, bottom
     std::array<std::int32_t, 2> dataWindowMin{};
+    std::array<double, 4> uncroppedWindow{}; ///< of what the image is a crop of; all 0: of itself
     ConformPolicy conformPolicy = ConformPolicy::ExpandAperture;
     AovLayout aovs;
     std::optional<DeepLimits> deep; ///< of a deep picture, which is asked for

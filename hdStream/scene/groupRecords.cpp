@@ -46,21 +46,48 @@ struct Boxes {
 
 Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
     Boxes boxes;
-    const glm::dmat4 transform = GroupFromDevice(groupFromObject.AtFrame(), leaf);
-    boxes.isUsable = IsUsable(transform, leaf.bounds);
-    if (!boxes.isUsable) {
-        return boxes;
-    }
     const std::vector<glm::dmat4> keys = KeysFromDevice(groupFromObject, leaf);
     boxes.moves = !keys.empty();
     if (boxes.moves) {
         const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
         boxes.open = ends[0];
         boxes.close = ends[1];
-    } else {
+        boxes.isUsable = true;
+        return boxes;
+    }
+    const glm::dmat4 transform = GroupFromDevice(groupFromObject.AtFrame(), leaf);
+    boxes.isUsable = IsUsable(transform, leaf.bounds);
+    if (boxes.isUsable) {
         boxes.open = boxes.close = TransformBounds(transform, leaf.bounds);
     }
     return boxes;
+}
+
+/// What may have a scale of 0 for a part of its way, as things do that grow: such a key gets a
+/// little of the shape of the nearest one that can be inverted, too small to be seen. Where none
+/// can be, the keys stay.
+void FillSingular(std::vector<glm::dmat4>* keys) {
+    constexpr int kSizeExponent = -16;
+    const std::vector<glm::dmat4> given = *keys;
+    std::vector<std::size_t> usable;
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        if (IsUsableTransform(given[i])) {
+            usable.push_back(i);
+        }
+    }
+    for (std::size_t i = 0; i < given.size() && usable.size() < given.size(); ++i) {
+        const auto distance = [i](std::size_t j) { return j < i ? i - j : j - i; };
+        const auto nearest =
+            std::min_element(usable.begin(), usable.end(), [&](std::size_t a, std::size_t b) {
+                return distance(a) < distance(b);
+            });
+        if (nearest == usable.end() || *nearest == i) {
+            continue;
+        }
+        for (int column = 0; column < 3; ++column) {
+            (*keys)[i][column] += std::ldexp(1.0, kSizeExponent) * given[*nearest][column];
+        }
+    }
 }
 
 /// Keeps those values whose flag is set, if there are values.
@@ -152,10 +179,15 @@ std::vector<glm::dmat4> KeysFromDevice(const MovingTransform& groupFromObject,
     const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
     std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
     std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
+    FillSingular(&keys);
     const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
         return IsUsable(key, leaf.bounds);
     });
     return areUsable ? keys : std::vector<glm::dmat4>();
+}
+
+glm::dmat4 UsableAtFrame(const glm::dmat4& groupFromDevice, const std::vector<glm::dmat4>& keys) {
+    return keys.empty() || IsUsableTransform(groupFromDevice) ? groupFromDevice : keys.front();
 }
 
 MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
@@ -457,10 +489,12 @@ void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsIns
                          std::vector<AffineRows>* motionKeys) const {
     const auto write = [&](std::uint32_t place, std::vector<glm::dmat4>* keys) {
         const Found found = Find(order[place]);
-        places[place] = RecordOf(found, DeviceTransform(found));
+        glm::dmat4 transform = DeviceTransform(found);
         if (keys != nullptr) {
             *keys = KeysFromDevice(found.groupFromObject, *found.leaf);
+            transform = UsableAtFrame(transform, *keys);
         }
+        places[place] = RecordOf(found, transform);
     };
     const auto size = static_cast<std::uint32_t>(order.size());
     if (!_moves) {

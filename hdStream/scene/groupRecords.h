@@ -36,10 +36,15 @@ struct LeafObject {
 /// (ThickenFlat).
 glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf);
 
-/// The same at equal steps in time, as the device has it; none of what passes through a pose that
-/// cannot be inverted, which stays where the frame has it, and none of what rests.
+/// The same at equal steps in time, as the device has it; none of what rests. Poses that cannot be
+/// inverted are replaced by very small ones; none of what has no other, which stays where the frame
+/// has it.
 std::vector<glm::dmat4> KeysFromDevice(const MovingTransform& groupFromObject,
                                        const LeafObject& leaf);
+
+/// What stands for the frame's pose of what has keys: that, or the first key where it cannot be
+/// inverted.
+glm::dmat4 UsableAtFrame(const glm::dmat4& groupFromDevice, const std::vector<glm::dmat4>& keys);
 
 /// One placement of a prim, which must outlive it.
 struct PlacedRecord {

@@ -367,12 +367,13 @@ private:
                 if (added != nullptr && leaf.worldInstance) {
                     added->worldInstance =
                         static_cast<std::uint32_t>(_result.worldInstances.size());
+                    std::vector<glm::dmat4> keys = KeysFromDevice(
+                        MovingTransform(centreFromWorld) * placed.worldFromObject, leaf);
+                    const glm::dmat4 atFrame = UsableAtFrame(
+                        GroupFromDevice(centreFromWorld * placed.worldFromObject.AtFrame(), leaf),
+                        keys);
                     _result.worldInstances.push_back(
-                        {path, leaf.prim,
-                         GroupFromDevice(centreFromWorld * placed.worldFromObject.AtFrame(), leaf),
-                         KeysFromDevice(MovingTransform(centreFromWorld) * placed.worldFromObject,
-                                        leaf),
-                         0, HDS_NONE});
+                        {path, leaf.prim, atFrame, std::move(keys), 0, HDS_NONE});
                 }
             }
         }

@@ -13,4 +13,9 @@ namespace hds {
 /// \return empty when nothing is displaced.
 Displacement MakeDisplacement(const std::vector<DisplacementInput>& inputs);
 
+/// How far they move a mesh's points at most, object space. Costs nothing where nothing displaces,
+/// else a look at all values of the primvars that amounts read.
+double DisplacementReachOf(const GeometryDescription& mesh,
+                           const std::vector<DisplacementInput>& inputs);
+
 } // namespace hds

@@ -6,6 +6,7 @@
 #include "hdStream/scene/drawnPrims.h"
 #include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/lightCommit.h"
+#include "hdStream/scene/meshDisplacement.h"
 #include "hdStream/scene/rayVisibility.h"
 
 #include <algorithm>
@@ -122,16 +123,23 @@ std::vector<const PrimCommit::GeometryEntry*> PrimCommit::FindDrawn() {
 /// What the drawn geometry is made of.
 std::vector<GeometryStore::Drawn>
 PrimCommit::InputsOf(const std::vector<const GeometryEntry*>& drawn) {
+    GeometryInputs input; // its lists keep their memory from prim to prim
     const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
     if (isAdaptive && _options.dicingCamera) {
-        _views = FindDicingViews(_scene, drawn, *_options.dicingCamera);
+        std::vector<DisplacementInput> held; // images are dropped where nobody holds them
+        for (std::size_t i = 0; i < drawn.size(); ++i) {
+            if (!drawn[i]->second.placement.instancerPath.empty()) {
+                materials.GetDisplacements(i, &input.displacements);
+                held.insert(held.end(), input.displacements.begin(), input.displacements.end());
+            }
+        }
+        _views = FindViews(drawn);
     }
     const bool isDiced =
         isAdaptive || (_options.subdivision == Subdivision::Complexity && _options.refineLevel > 0);
     std::vector<GeometryStore::Drawn> inputs;
     inputs.reserve(drawn.size());
     GeometryStore::InputsReader known(_cache.geometry);
-    GeometryInputs input; // its lists keep their memory from prim to prim
     input.chunkBytes = _options.chunkBytes;
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const GeometryEntry* entry = drawn[i];
@@ -345,8 +353,22 @@ bool PrimCommit::AreViewsAsBefore() const {
     return AreViewsAsBefore(visible);
 }
 
+/// \pre there is a camera that dices.
+std::map<std::string, DicingView>
+PrimCommit::FindViews(const std::vector<const GeometryEntry*>& wanted) const {
+    const auto reachOf = [this](const GeometryEntry& entry) {
+        const std::size_t index = IndexOf(entry.first);
+        std::vector<DisplacementInput> inputs;
+        if (index < _drawn.size()) {
+            materials.GetDisplacements(index, &inputs);
+        }
+        return DisplacementReachOf(*entry.second.geometry, inputs);
+    };
+    return FindDicingViews(_scene, wanted, *_options.dicingCamera, _options.shutter, reachOf);
+}
+
 bool PrimCommit::AreViewsAsBefore(const std::vector<const GeometryEntry*>& visible) const {
-    const auto views = FindDicingViews(_scene, visible, *_options.dicingCamera);
+    const auto views = FindViews(visible);
     return std::all_of(views.begin(), views.end(), [this](const auto& view) {
         const auto before = _views.find(view.first);
         return before != _views.end() && before->second == view.second;

@@ -128,6 +128,8 @@ private:
     void AddLeaves(const GeometryEntry& entry, const LeafObject& leaf);
     std::optional<std::vector<std::size_t>> FindReshaped(const std::set<std::string>& paths) const;
     void TakeShape(std::size_t index, GeometryPages* pages);
+    std::map<std::string, DicingView>
+    FindViews(const std::vector<const GeometryEntry*>& wanted) const;
     bool AreViewsAsBefore() const;
     bool AreViewsAsBefore(const std::vector<const GeometryEntry*>& visible) const;
     std::optional<std::vector<std::size_t>> FindMoved(const std::set<std::string>& paths,

@@ -56,12 +56,16 @@ void CheckSettings(const Settings& settings) {
                        settings.displayWindow[3] > settings.displayWindow[1])) {
         throw Error("displayWindow: it is empty", ErrorKind::Usage);
     }
-    for (const double corner : settings.displayWindow) {
-        if (!(std::abs(corner) <= kMaxWindow)) {
-            throw Error("displayWindow: " + std::to_string(corner) + " is out of range",
-                        ErrorKind::Usage);
+    const auto checkCorners = [](const char* name, const std::array<double, 4>& window) {
+        for (const double corner : window) {
+            if (!(std::abs(corner) <= kMaxWindow)) {
+                throw Error(std::string(name) + ": " + std::to_string(corner) + " is out of range",
+                            ErrorKind::Usage);
+            }
         }
-    }
+    };
+    checkCorners("displayWindow", settings.displayWindow);
+    checkCorners("uncroppedWindow", settings.uncroppedWindow);
     CheckAovs(settings.aovs);
     if (!settings.workingSpace.empty() && !IsWorkingSpace(settings.workingSpace)) {
         throw Error("--workingSpace: '" + settings.workingSpace +
@@ -93,6 +97,8 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
                                  static_cast<double>(settings.imageHeight)};
     }
     options.dataWindowMin = settings.dataWindowMin;
+    options.uncroppedWindow = settings.uncroppedWindow;
+    const bool isCrop = settings.uncroppedWindow != std::array<double, 4>{};
     // Counted from the display window's own corner, so that a crop has the bits of the full image
     // however the host numbers its pixels.
     for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -100,6 +106,8 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
         options.displayWindow[axis] -= corner;
         options.displayWindow[axis + 2] -= corner;
         options.dataWindowMin[axis] -= static_cast<std::int32_t>(corner);
+        options.uncroppedWindow[axis] -= isCrop ? corner : 0.0;
+        options.uncroppedWindow[axis + 2] -= isCrop ? corner : 0.0;
     }
     options.conformPolicy = EnumOf<ConformPolicy>("conformPolicy", settings.conformPolicy);
     options.aovs = MakeAovLayout(settings.aovs);

@@ -164,6 +164,8 @@ def _Crop(crop, settings):
         raise UsageError(f"crop {crop!r}: no four whole numbers left, top, right, bottom") from None
     if not (0 <= left < right <= settings.imageWidth and 0 <= top < bottom <= settings.imageHeight):
         raise UsageError(f"crop {tuple(crop)}: not inside the image of {settings.imageWidth}x{settings.imageHeight} pixels")
+    x, y = settings.dataWindowMin
+    settings.uncroppedWindow = [x, y, x + settings.imageWidth, y + settings.imageHeight]
     _SetWindow((left, top, right, bottom), settings)
 
 

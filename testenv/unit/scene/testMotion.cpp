@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <random>
 #include <utility>
 
@@ -324,6 +325,54 @@ TEST(Motion, OrdinaryMapsAreInvertedInFewOperations) {
         std::memcpy(&segments, &tables.instances[0].objectFromParent[HDS_MOTION_SEGMENTS],
                     sizeof(segments));
         EXPECT_EQ(segments & HDS_MOTION_FORMS, isPlain ? HDS_MOTION_PLAIN : 0U) << last[0][0];
+    }
+}
+
+// A scale of 0 at some keys, also at the frame: drawn as very small there, and as it is elsewhere.
+TEST(Motion, WhatGrowsFromNothingMoves) {
+    const auto sized = [](double x, double y, double z) {
+        return glm::scale(glm::translate(glm::dmat4(1.0), {1.0, 2.0, 3.0}), glm::dvec3(x, y, z));
+    };
+    const Bounds bounds{glm::vec3(-1.0F), glm::vec3(1.0F)};
+    for (const glm::dvec3& least : {glm::dvec3(0.0), glm::dvec3(0.0, 0.0, 1.0)}) {
+        const glm::dmat4 small = sized(least.x, least.y, least.z);
+        const std::vector<std::vector<TransformSample>> ways = {
+            {{kShutter.open, small}, {kShutter.close, sized(1, 1, 1)}},
+            {{kShutter.open, sized(1, 1, 1)}, {kShutter.close, small}},
+            {{kShutter.open, small}, {0.0, small}, {kShutter.close, sized(1, 1, 1)}}};
+        for (const auto& samples : ways) {
+            LeafObject leaf;
+            leaf.bounds = bounds;
+            leaf.numPrimitives = 1.0F;
+            const MovingTransform way(small, samples, kShutter);
+            const std::vector<glm::dmat4> keys = KeysFromDevice(way, leaf);
+            ASSERT_GE(keys.size(), 2U);
+            for (std::size_t i = 0; i < keys.size(); ++i) {
+                const glm::dmat4 wanted = way.At(double(i) / double(keys.size() - 1));
+                EXPECT_TRUE(IsUsableTransform(keys[i]));
+                for (int column = 0; column < 4; ++column) {
+                    EXPECT_LT(glm::length(keys[i][column] - wanted[column]), 1e-4);
+                }
+            }
+            GroupRecords records(kShutter);
+            ASSERT_NE(records.Add({&leaf, way, 0, 0, 0, HDS_NONE}), nullptr);
+            shared::HdsInstance place{};
+            std::vector<AffineRows> motionKeys;
+            records.Write({0}, &place, &motionKeys);
+            EXPECT_NE(place.flags & HDS_INSTANCE_MOVES, 0U);
+            EXPECT_EQ(motionKeys.size(), keys.size());
+            EXPECT_TRUE(std::all_of(std::begin(place.objectFromParent),
+                                    std::end(place.objectFromParent),
+                                    [](float value) { return std::isfinite(value); }));
+        }
+        // Nothing is left of what has no size at any time.
+        GroupRecords records(kShutter);
+        LeafObject leaf;
+        leaf.bounds = bounds;
+        const std::vector<TransformSample> samples{{kShutter.open, sized(0, 0, 0)},
+                                                   {kShutter.close, sized(0, 0, 1)}};
+        const MovingTransform never(sized(0, 0, 0), samples, kShutter);
+        EXPECT_EQ(records.Add({&leaf, never, 0, 0, 0, HDS_NONE}), nullptr);
     }
 }
 
