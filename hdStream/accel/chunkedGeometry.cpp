@@ -19,7 +19,7 @@ namespace {
 
 /// Changes whenever the same geometry gives other pages or another plan: part of the keys in the
 /// store.
-constexpr std::uint64_t kPageFormat = 6;
+constexpr std::uint64_t kPageFormat = 7;
 /// The part of geometry that is its summary; pages count from 0.
 constexpr std::uint64_t kSummaryPart = ~std::uint64_t{0};
 /// Bytes of a page that do not grow with its triangles: header and root; slot word and padding.

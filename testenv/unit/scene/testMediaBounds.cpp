@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <numeric>
+#include <vector>
 
 namespace hds {
 namespace {
@@ -32,9 +34,46 @@ TEST(MediaBounds, TheBoxHoldsAllPlacementsOfWhatHasAMedium) {
         leaf.object.bounds = {glm::vec3(-1.0F), glm::vec3(2.0F)};
         leaves.push_back(leaf);
     }
-    const MediaBounds box = FindMediaBounds(scene, leaves, glm::dvec3(1.0, 0.0, 0.0));
+    const MediaBounds box = FindMediaBounds(scene, leaves, glm::dvec3(1.0, 0.0, 0.0), Shutter());
     EXPECT_EQ(box.min, glm::dvec3(8.0, 99.0, -1.0));
     EXPECT_EQ(box.max, glm::dvec3(11.0, 102.0, 2.0));
+}
+
+/// A body that is small at the frame and grows around the camera while the shutter is open.
+TEST(MediaBounds, TheBoxHoldsThemWhileTheShutterIsOpen) {
+    SceneDescription scene;
+    GeometryPrim prim;
+    prim.geometry = std::make_shared<GeometryDescription>(Tetrahedron());
+    prim.placement.samples = {{0.0, glm::dmat4(1.0)},
+                              {1.0, glm::scale(glm::dmat4(1.0), glm::dvec3(100.0))}};
+    scene.geometry.emplace("/fog", prim);
+    InstancerPrim instancer;
+    instancer.placement.samples = {{0.0, glm::dmat4(1.0)},
+                                   {1.0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 50, 0))}};
+    instancer.instanceTransforms =
+        std::vector<glm::dmat4>(70000, glm::translate(glm::dmat4(1.0), glm::dvec3(7, 0, 0)));
+    scene.instancers.emplace("/i", instancer);
+    DrawnLeaf leaf;
+    leaf.object.flags = HDS_INSTANCE_MEDIUM;
+    leaf.object.bounds = {glm::vec3(-1.0F), glm::vec3(2.0F)};
+    leaf.entry = &*scene.geometry.begin();
+    const Shutter open{0.0, 1.0};
+    MediaBounds box = FindMediaBounds(scene, {leaf}, glm::dvec3(0.0), open);
+    EXPECT_EQ(box.min, glm::dvec3(-100.0));
+    EXPECT_EQ(box.max, glm::dvec3(200.0));
+    box = FindMediaBounds(scene, {leaf}, glm::dvec3(0.0), Shutter());
+    EXPECT_EQ(box.max, glm::dvec3(2.0));
+    // So many placements that boxes go level by level.
+    GeometryPrim placed = prim;
+    placed.placement.instancerPath = "/i";
+    std::vector<std::int32_t> instances(70000);
+    std::iota(instances.begin(), instances.end(), 0);
+    placed.placement.instances = instances;
+    scene.geometry["/fog"] = placed;
+    leaf.entry = &*scene.geometry.begin();
+    box = FindMediaBounds(scene, {leaf}, glm::dvec3(0.0), open);
+    EXPECT_EQ(box.min, glm::dvec3(-93.0, -100.0, -100.0));
+    EXPECT_EQ(box.max, glm::dvec3(207.0, 250.0, 200.0));
 }
 
 } // namespace

@@ -155,7 +155,7 @@ def _CarryNormals(mesh, atRest):
         mesh.normalSamples = [(time, primvar.values) for time, primvar in samples]
 
 
-def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
+def ReadTetMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     """The surface of a UsdGeomTetMesh as a mesh: `surfaceFaceVertexIndices`, or else the faces that belong to one
     tetrahedron alone, as UsdImaging has them; None without points or faces. Primvars of tetrahedra are left out."""
     points = ReadPoints(prim, names, timeCode)
@@ -167,23 +167,23 @@ def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
     if not faces.size:
         return None
     mesh = _core.GeometryDescription()
-    mesh.points = points
+    mesh.points = points if skin is None else skin.PointsOf(points)
     mesh.faceVertexCounts = np.full(faces.size // 3, 3, np.int32)
     mesh.faceVertexIndices = faces.ravel()
     mesh.subdivisionScheme = "catmullClark"  # as UsdImaging hands it over
-    mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("tetVertexIndices", "surfaceFaceVertexIndices"))
+    mesh.samples = PoseSamples(prim, names, points, motion, warn, ("tetVertexIndices", "surfaceFaceVertexIndices"), skin)
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
 
-def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
+def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn, skin=None):
     """A UsdGeomNurbsPatch as a grid of quads with the surface's normals; None where it is none."""
     points = ReadPoints(prim, names, timeCode)
     if points is None or not points.size:
         return None
-    patch = nurbs.Patch(prim, len(points), timeCode)
+    patch = nurbs.Patch(prim, len(points), timeCode, warn)
     if patch.gridSizes is None:
         warn(prim, "its orders, knots and vertex counts make no NURBS patch; it is left out")
         return None
@@ -191,16 +191,17 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
     if trims:
         warn(prim, "trim curves of NURBS patches are not supported; it is drawn whole")
     mesh = _core.GeometryDescription()
-    mesh.points = patch.Of(points)
+    posed = points if skin is None else skin.PointsOf(points)
+    mesh.points = patch.Of(posed)
     mesh.faceVertexCounts, mesh.faceVertexIndices = patch.Faces()
     mesh.subdivisionScheme = "none"
     mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
-    samples = motion.PointSamplesOf(prim, names, len(points), warn, ("uVertexCount", "vVertexCount"))
+    samples = PoseSamples(prim, names, points, motion, warn, ("uVertexCount", "vVertexCount"), skin)
     mesh.samples = [(time, patch.Of(array)) for time, array in samples]
     mesh.primvars = patch.Primvars(PrimvarsOf(prim, names, inherited, timeCode), prim, warn)
     side = np.float32(-1.0 if mesh.leftHanded else 1.0)
-    normals = [patch.Normals(array) for array in (points, *(array for _, array in samples))]
-    if all(rows is not None for rows in normals):  # at a pole they are those of the faces around
+    normals = [patch.Normals(array) for array in (posed, *(array for _, array in samples))]
+    if all(rows is not None for rows in normals):
         mesh.primvars = mesh.primvars + [_core.Primvar("normals", _core.Interpolation.Vertex, side * normals[0])]
         mesh.normalSamples = [(time, side * rows) for (time, _), rows in zip(samples, normals[1:])]
     return mesh
@@ -231,10 +232,13 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
     return mesh
 
 
-def ReadSubset(prim, timeCode):
+def ReadSubset(prim, timeCode, warn):
     """A face subset of the family materialBind; None for any other subset."""
-    if (prim.GetAttribute("familyName").Get() != "materialBind"
-            or prim.GetAttribute("elementType").Get() != "face"):
+    elementType = prim.GetAttribute("elementType").Get()
+    if prim.GetAttribute("familyName").Get() != "materialBind":
+        return None
+    if elementType != "face":
+        warn(prim, f"a subset of elements of type {elementType} binds no material: those of faces alone do")
         return None
     faces = ReadArray(prim, "indices", timeCode, np.int32)
     if faces is None or not faces.size:

@@ -362,7 +362,7 @@ class StageTranslator:
     def _AddConverted(self, read, prim, names, state, context):
         """A prim that `read` makes a mesh of."""
         mesh = self._KeptGeometry(prim, context) or read(
-            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn)
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, self._SkinOf(prim, names, state))
         return state if mesh is None else self._AddMesh(prim, names, mesh, state, context)
 
     def _OnImplicit(self, prim, schema, names, state, context):
@@ -430,7 +430,7 @@ class StageTranslator:
         children = prim.GetFilteredChildren(context.predicate)
         for child in children:
             if child.IsA(UsdGeom.Subset):
-                subset = meshes.ReadSubset(child, self._timeCode)
+                subset = meshes.ReadSubset(child, self._timeCode, self._reports.Warn)
                 if subset is not None:
                     subset.name = context.ScenePath(child)
                     subsets.append(subset)
