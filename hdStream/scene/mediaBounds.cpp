@@ -3,6 +3,7 @@
 
 #include "hdStream/scene/groupRecords.h"
 #include "hdStream/scene/placements.h"
+#include "kernels/shared/frame.h"
 
 #include <glm/common.hpp>
 

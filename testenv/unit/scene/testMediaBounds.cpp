@@ -47,12 +47,6 @@ TEST(MediaBounds, TheBoxHoldsThemWhileTheShutterIsOpen) {
     prim.placement.samples = {{0.0, glm::dmat4(1.0)},
                               {1.0, glm::scale(glm::dmat4(1.0), glm::dvec3(100.0))}};
     scene.geometry.emplace("/fog", prim);
-    InstancerPrim instancer;
-    instancer.placement.samples = {{0.0, glm::dmat4(1.0)},
-                                   {1.0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 50, 0))}};
-    instancer.instanceTransforms =
-        std::vector<glm::dmat4>(70000, glm::translate(glm::dmat4(1.0), glm::dvec3(7, 0, 0)));
-    scene.instancers.emplace("/i", instancer);
     DrawnLeaf leaf;
     leaf.object.flags = HDS_INSTANCE_MEDIUM;
     leaf.object.bounds = {glm::vec3(-1.0F), glm::vec3(2.0F)};
@@ -63,17 +57,25 @@ TEST(MediaBounds, TheBoxHoldsThemWhileTheShutterIsOpen) {
     EXPECT_EQ(box.max, glm::dvec3(200.0));
     box = FindMediaBounds(scene, {leaf}, glm::dvec3(0.0), Shutter());
     EXPECT_EQ(box.max, glm::dvec3(2.0));
-    // So many placements that boxes go level by level.
+    // So many placements, of an instancer that another one places, that boxes go level by level.
+    std::vector<std::int32_t> all(5000);
+    std::iota(all.begin(), all.end(), 0);
+    InstancerPrim instancer;
+    instancer.instanceTransforms.scales = std::vector<float>(3 * all.size(), 1.0F);
+    scene.instancers.emplace("/outer", instancer);
+    instancer.placement.instancerPath = "/outer";
+    instancer.placement.instances = all;
+    instancer.placement.samples = {{0.0, glm::dmat4(1.0)},
+                                   {1.0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 50, 0))}};
+    scene.instancers.emplace("/inner", instancer);
     GeometryPrim placed = prim;
-    placed.placement.instancerPath = "/i";
-    std::vector<std::int32_t> instances(70000);
-    std::iota(instances.begin(), instances.end(), 0);
-    placed.placement.instances = instances;
+    placed.placement.instancerPath = "/inner";
+    placed.placement.instances = all;
     scene.geometry["/fog"] = placed;
     leaf.entry = &*scene.geometry.begin();
     box = FindMediaBounds(scene, {leaf}, glm::dvec3(0.0), open);
-    EXPECT_EQ(box.min, glm::dvec3(-93.0, -100.0, -100.0));
-    EXPECT_EQ(box.max, glm::dvec3(207.0, 250.0, 200.0));
+    EXPECT_EQ(box.min, glm::dvec3(-100.0));
+    EXPECT_EQ(box.max, glm::dvec3(200.0, 250.0, 200.0));
 }
 
 } // namespace

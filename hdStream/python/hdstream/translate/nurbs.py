@@ -263,6 +263,7 @@ class Patch:
         points = np.asarray(points, float)
         normals = self._Crosses(self._u, self._v, self._du, self._dv, points)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        lengths = np.where(np.isfinite(lengths), lengths, 0.0)  # what is not finite the core counts and names
         longest = max(float(lengths.max()), 1e-300)
         isKnown = lengths > _DEGENERATE * longest
         if not isKnown.any():
