@@ -148,15 +148,14 @@ std::vector<glm::vec4> Repeated(std::uint32_t seed, const std::vector<int>& time
 }
 
 /// Of curves whose derivative is 0 at joints and ends: points repeated, handles on their points.
+/// They are thin, since tubes that turn sharply have walls inside themselves.
 std::vector<Solid> StandingSolids() {
-    return {{"linear", Repeated(11, {2, 1, 2, 4, 1, 3}, 0.05F)},
-            {"bezier", Repeated(12, {2, 3, 3, 3, 2}, 0.05F)},
-            {"bezier", Repeated(13, {1, 1, 1, 9, 1, 1, 1, 1, 1, 6}, 0.04F)},
-            {"bspline", Repeated(14, {3, 1, 1, 3, 1, 1, 3}, 0.05F)},
-            {"bspline", Repeated(15, {4, 1, 1, 6, 1, 4}, 0.05F)},
-            {"catmullRom", Repeated(16, {3, 1, 2, 1, 3, 1, 5, 1, 3}, 0.02F)},
-            // There and back.
-            {"bspline", {{0, 0, 0, 0.1F}, {1, 0, 0, 0.1F}, {0, 0, 0, 0.1F}, {1, 1, 0, 0.1F}}}};
+    return {{"linear", Repeated(11, {2, 1, 2, 4, 1, 3}, 0.02F)},
+            {"bezier", Repeated(12, {2, 3, 3, 3, 2}, 0.02F)},
+            {"bezier", Repeated(13, {1, 1, 1, 9, 1, 1, 1, 1, 1, 5}, 0.02F)},
+            {"bezier", Repeated(16, {2, 1, 2, 2, 1, 2}, 0.02F)},
+            {"bspline", Repeated(14, {3, 1, 1, 3, 1, 1, 3}, 0.02F)},
+            {"bspline", Repeated(15, {4, 1, 1, 6, 1, 4}, 0.02F)}};
 }
 
 struct SolidScene {
@@ -284,7 +283,7 @@ void ExpectBorders(const TraversalProbe& probe, const DeviceAccelScene& scene,
             ASSERT_EQ(hits.size(), expected.size()) << "ray " << i << ", " << solid.solids[s].basis;
             for (std::size_t k = 0; k < hits.size(); ++k) {
                 EXPECT_NEAR(hits[k], expected[k], 1e-5 * reach)
-                    << "ray " << i << ", " << solid.solids[s].basis << ", hit " << k;
+                    << "ray " << i << ", " << s << " " << solid.solids[s].basis << ", hit " << k;
             }
             numJudged += hits.empty() ? 0 : 1;
         }
