@@ -64,6 +64,18 @@ std::uint32_t CurveBasis::NumSegments(std::uint32_t numVertices, std::uint32_t* 
     return numVertices > fewer ? numVertices - fewer : 0;
 }
 
+std::vector<std::uint32_t> CurveBasis::VerticesWithTail(std::uint32_t first,
+                                                        std::uint32_t next) const {
+    switch (_primitives & HDS_PRIMITIVE_BASIS) {
+    case HDS_PRIMITIVE_LINEAR: // its last vertex is its neighbour's
+        return {first, first + 1, first + 2, next + 2};
+    case HDS_PRIMITIVE_BEZIER:
+        return {first, first + 1, first + 2, first + 3, next + 1, next + 2, next + 3};
+    default:
+        return {first, first + 1, first + 2, first + 3, next + 3};
+    }
+}
+
 RunVertex CurveBasis::VertexOf(std::uint32_t run, std::uint32_t numVertices) const {
     const bool isLinear = (_primitives & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_LINEAR;
     if (!isLinear && !_isPinned) {

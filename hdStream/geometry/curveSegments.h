@@ -44,6 +44,12 @@ public:
     std::uint32_t NumVertices(std::uint32_t numSegments, bool isLast) const {
         return (numSegments - 1) * _step + 4 + (_step == 3 && !isLast ? 1 : 0);
     }
+    /// How far behind a segment's first vertex lies the last of those that tell how the curve goes
+    /// on where it stands still at the segment's end.
+    std::uint32_t TailVertex() const { return _step == 3 ? 6 : 4; }
+    /// All these of a segment where `next` is the next one, in their order; both by their first
+    /// vertices.
+    std::vector<std::uint32_t> VerticesWithTail(std::uint32_t first, std::uint32_t next) const;
     /// \param numVertices of the curve.
     RunVertex VertexOf(std::uint32_t run, std::uint32_t numVertices) const;
     /// The joint that varying values of a vertex of the run belong to.

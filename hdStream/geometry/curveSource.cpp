@@ -2,7 +2,9 @@
 #include "hdStream/geometry/curveSource.h"
 
 #include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/curveCounts.h"
 #include "hdStream/geometry/curveSegments.h"
+#include "hdStream/geometry/curveStates.h"
 #include "hdStream/geometry/normals.h"
 #include "hdStream/geometry/solidContent.h"
 #include "kernels/shared/geometry.h"
@@ -27,7 +29,6 @@ constexpr std::uint32_t kGroupSegments = 16;
 /// smooth.
 constexpr double kRoundTurn = 0.35;
 constexpr double kRibbonTurn = 0.1;
-constexpr std::uint8_t kDropped = 0xff; ///< the level of a segment that is not drawn
 
 class CurveSource final : public ChunkSource {
 public:
@@ -44,11 +45,12 @@ public:
             _numVertices += GroupVertices(_groups[group]);
         }
         const std::size_t vertexBytes = ((_hasNormals ? 4 : 0) + 4 * NumPoses()) * sizeof(float);
-        constexpr double kMostVertices = 5.0; // of a group of one piece
-        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, NumPoses(), false);
+        // Of a group of one piece, with those of a neighbour and those of its own.
+        const double mostVertices = _hasStanding ? 14.0 : 5.0;
+        _boundBytes = SolidBytes(_values, mostVertices, vertexBytes, NumPoses(), false);
         _meanBytes =
             SolidBytes(_values,
-                       std::min(kMostVertices,
+                       std::min(mostVertices,
                                 static_cast<double>(_numVertices) /
                                     static_cast<double>(std::max<std::uint64_t>(1, _numTriangles))),
                        vertexBytes, NumPoses(), true);
@@ -60,7 +62,7 @@ public:
     Bounds GroupBounds(std::uint32_t group) const override { return _groupBounds[group]; }
     std::uint64_t TableBytes() const override {
         return sizeof(*this) +
-               VectorBytes(_begins, _counts, _faces, _firstJoints, _groups, _groupBounds, _levels);
+               VectorBytes(_begins, _counts, _faces, _firstJoints, _groups, _groupBounds, _states);
     }
 
     ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
@@ -83,7 +85,7 @@ private:
         std::uint32_t firstSegment; ///< in the curve
         std::uint32_t numSegments;
         std::uint32_t firstPrimId; ///< of the curve's pieces
-        std::uint64_t firstLevel;  ///< of its segments, in _levels
+        std::uint64_t firstState;  ///< of its segments, in _states
     };
     using Points = std::array<glm::dvec4, 4>;
 
@@ -94,37 +96,11 @@ private:
                       " floats after the last point ignored");
         }
         _size.numPoints = _curves->points.size() / 3;
-        const bool isIndexed = !_curves->faceVertexIndices.empty();
-        const std::uint64_t numGiven =
-            isIndexed ? _curves->faceVertexIndices.size() : _size.numPoints;
-        const bool isSegmented = _curves->curves->wrap == "segmented";
-        std::uint64_t begin = 0;
-        std::size_t numBad = 0;
-        for (const std::int32_t count : _curves->faceVertexCounts) {
-            const std::uint64_t end = begin + static_cast<std::uint64_t>(std::max(count, 0));
-            const bool isGood = count >= 0 && end <= numGiven;
-            numBad += isGood ? 0 : 1;
-            for (std::uint64_t first = begin; isSegmented && isGood && first + 1 < end;
-                 first += 2) {
-                _begins.push_back(first);
-                _counts.push_back(2);
-                _faces.push_back(static_cast<std::uint32_t>(_size.numFaces));
-            }
-            if (!isSegmented) {
-                _begins.push_back(begin);
-                _counts.push_back(isGood ? static_cast<std::uint32_t>(count) : 0U);
-            }
-            begin = end;
-            ++_size.numFaces;
-        }
-        if (begin != numGiven) {
-            _log.Warn("curveVertexCounts ask for " + std::to_string(begin) + " points, there are " +
-                      std::to_string(numGiven));
-        }
-        if (numBad > 0) {
-            _log.Warn(std::to_string(numBad) +
-                      " curves dropped: curveVertexCounts negative or beyond the points");
-        }
+        CurveCounts counts = ReadCurveCounts(*_curves, _size.numPoints, _log);
+        _begins = std::move(counts.begins);
+        _counts = std::move(counts.counts);
+        _faces = std::move(counts.faces);
+        _size.numFaces = _curves->faceVertexCounts.size();
     }
 
     /// The authored curve, which uniform values belong to.
@@ -200,17 +176,17 @@ private:
     }
 
     void CutCurves() {
-        std::uint64_t firstLevel = 0;
+        std::uint64_t firstState = 0;
         for (std::uint32_t curve = 0; curve < _counts.size(); ++curve) {
             const std::uint32_t numSegments = SegmentsOf(curve);
             for (std::uint32_t first = 0; first < numSegments; first += kGroupSegments) {
                 const std::uint32_t count = std::min(kGroupSegments, numSegments - first);
-                _groups.push_back({curve, first, count, 0, firstLevel});
-                firstLevel += count;
+                _groups.push_back({curve, first, count, 0, firstState});
+                firstState += count;
             }
         }
         _numGroups = static_cast<std::uint32_t>(_groups.size());
-        _levels.resize(firstLevel);
+        _states.resize(firstState);
         _groupBounds.resize(_numGroups);
     }
 
@@ -224,21 +200,28 @@ private:
         tbb::parallel_for(std::uint32_t{0}, _numGroups, [this](std::uint32_t index) {
             const Group& group = _groups[index];
             for (std::uint32_t i = 0; i < group.numSegments; ++i) {
-                _levels[group.firstLevel + i] = LevelOf(group.curve, group.firstSegment + i);
-                if (_levels[group.firstLevel + i] != kDropped) {
+                _states[group.firstState + i] = StateOf(group.curve, group.firstSegment + i);
+                if (_states[group.firstState + i] != kDropped) {
                     for (const Points& shape : ShapesOf(group.curve, group.firstSegment + i)) {
                         Extend(shape, &_groupBounds[index]);
                     }
                 }
             }
         });
+        for (const Group& group : _groups) {
+            if (group.firstSegment == 0) {
+                SettleStates(&_states[group.firstState], SegmentsOf(group.curve),
+                             _basis->IsPeriodic());
+            }
+        }
         std::uint64_t numDropped = 0;
         for (Group& group : _groups) {
             group.firstPrimId = static_cast<std::uint32_t>(_numTriangles);
             for (std::uint32_t i = 0; i < group.numSegments; ++i) {
-                const std::uint8_t level = _levels[group.firstLevel + i];
-                numDropped += level == kDropped ? 1 : 0;
-                _numTriangles += level == kDropped ? 0U : 1U << level;
+                const SegmentState state = _states[group.firstState + i];
+                numDropped += state == kDropped ? 1 : 0;
+                _numTriangles += IsDrawn(state) ? 1U << (state & kLevelBits) : 0U;
+                _hasStanding = _hasStanding || (IsDrawn(state) && (state & kStands) != 0);
             }
         }
         _groups.push_back({0, 0, 0, static_cast<std::uint32_t>(_numTriangles), 0});
@@ -260,7 +243,7 @@ private:
         }
     }
 
-    std::uint8_t LevelOf(std::uint32_t curve, std::uint32_t segment) const {
+    SegmentState StateOf(std::uint32_t curve, std::uint32_t segment) const {
         bool hasWidth = false;
         // The outer vertices of a straight segment are its neighbours'.
         const bool isLinear = (_basis->Primitives() & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_LINEAR;
@@ -272,14 +255,16 @@ private:
             }
         }
         double turn = 0.0;
+        bool isStill = !_hasNormals;
         for (const Points& shape : ShapesOf(curve, segment)) {
             for (const glm::dvec4& point : shape) {
                 hasWidth = hasWidth || point.w != 0.0;
+                isStill = isStill && point == shape[0];
             }
             turn = std::max(turn, TurnOfBezier(shape) / (_hasNormals ? kRibbonTurn : kRoundTurn));
         }
-        if (!hasWidth) {
-            return kDropped;
+        if (!hasWidth || isStill) {
+            return hasWidth ? kStill : kDropped;
         }
         if (_hasNormals) {
             const glm::dvec3 n0(JointNormal(curve, segment, 0));
@@ -290,7 +275,26 @@ private:
         while (level < HDS_MAX_PIECE_LEVEL && turn > static_cast<double>(1U << level)) {
             ++level;
         }
-        return level;
+        return StandsBehind(curve, segment) ? level | kStands : level;
+    }
+
+    /// Whether the next segment begins at rest in some pose: the curve's derivative is 0 there.
+    bool StandsBehind(std::uint32_t curve, std::uint32_t segment) const {
+        const std::uint32_t basis = _basis->Primitives() & HDS_PRIMITIVE_BASIS;
+        const bool isLast = !_basis->IsPeriodic() && segment + 1 == SegmentsOf(curve);
+        if (_hasNormals || basis == HDS_PRIMITIVE_LINEAR || isLast) {
+            return false;
+        }
+        const bool isBezier = basis == HDS_PRIMITIVE_BEZIER;
+        const std::uint32_t first = _basis->FirstVertex(segment);
+        for (std::size_t pose = 0; pose < NumPoses(); ++pose) {
+            const glm::vec3 before(VertexAt(curve, first + (isBezier ? 3U : 1U), pose));
+            const glm::vec3 behind(VertexAt(curve, first + (isBezier ? 4U : 3U), pose));
+            if (before == behind) { // whatever the radii
+                return true;
+            }
+        }
+        return false;
     }
 
     std::size_t NumPoses() const { return 1 + _curves->keys.size(); }
@@ -399,61 +403,97 @@ private:
         return !_basis->IsPeriodic() &&
                group.firstSegment + group.numSegments == SegmentsOf(group.curve);
     }
-    std::uint32_t GroupVertices(const Group& group) const {
-        return _basis->NumVertices(group.numSegments, IsLast(group));
+    CurveStates StatesOf(const Group& group) const {
+        return {_states.data() + group.firstState - group.firstSegment, SegmentsOf(group.curve),
+                _basis->IsPeriodic()};
     }
 
-    bool IsDrawn(const Group& group, std::int64_t segment) const {
-        const std::int64_t count = SegmentsOf(group.curve);
-        if (!_basis->IsPeriodic() && (segment < 0 || segment >= count)) {
-            return false;
+    /// The vertices of its segments and of their neighbours, in their order.
+    std::uint32_t RowVertices(const Group& group) const {
+        const std::uint32_t count = _basis->NumVertices(group.numSegments, IsLast(group));
+        const SegmentState state = _states[group.firstState + group.numSegments - 1];
+        const bool stands = IsDrawn(state) && (state & kStands) != 0;
+        const std::uint32_t last =
+            _basis->FirstVertex(group.numSegments - 1) + _basis->TailVertex();
+        return stands && !IsLast(group) ? std::max(count, last + 1) : count;
+    }
+
+    /// The vertices in the run of a segment that has some of its own, since those that tell how
+    /// the curve goes on do not follow its four: others stand still in between. Else none.
+    std::vector<std::uint32_t> OwnVertices(const Group& group, std::uint32_t segment) const {
+        const CurveStates states = StatesOf(group);
+        const SegmentState state = states.states[segment];
+        const auto next = IsDrawn(state) && (state & kStands) != 0 ? states.Next(segment, 1)
+                                                                   : std::optional<std::uint32_t>();
+        if (!next || *next == (segment + 1) % states.count) {
+            return {};
         }
-        const std::uint64_t firstOfCurve = group.firstLevel - group.firstSegment;
-        const auto inCurve = static_cast<std::uint64_t>((segment + count) % count);
-        return _levels[firstOfCurve + inCurve] != kDropped;
+        return _basis->VerticesWithTail(_basis->FirstVertex(segment), _basis->FirstVertex(*next));
+    }
+
+    std::uint64_t GroupVertices(const Group& group) const {
+        std::uint64_t count = RowVertices(group);
+        for (std::uint32_t i = 0; i < group.numSegments && _hasStanding; ++i) {
+            count += OwnVertices(group, group.firstSegment + i).size();
+        }
+        return count;
+    }
+
+    void AddVertex(const Group& group, std::uint32_t run, ChunkGeometry* chunk) const {
+        const glm::vec4 vertex = VertexAt(group.curve, run, 0);
+        chunk->positions.emplace_back(vertex);
+        chunk->radii.push_back(vertex.w);
+        for (std::size_t pose = 1; pose < NumPoses(); ++pose) {
+            const glm::vec4 later = VertexAt(group.curve, run, pose);
+            chunk->keys[pose - 1].positions.emplace_back(later);
+            chunk->keys[pose - 1].radii.push_back(later.w);
+        }
+        const RunVertex from = _basis->VertexOf(run, _counts[group.curve]);
+        const std::size_t point = PointAt(group.curve, from.point);
+        chunk->points.push_back(
+            _basis->HasPhantoms()
+                ? static_cast<std::uint32_t>(RunBegin(group.curve) + run)
+                : static_cast<std::uint32_t>(std::min(point, _size.numPoints - 1)));
+        chunk->joints.push_back(_firstJoints[group.curve] +
+                                _basis->JointOf(run, SegmentsOf(group.curve)));
     }
 
     void GatherGroup(std::uint32_t index, ChunkGeometry* chunk) const {
         const Group& group = _groups[index];
         const auto firstVertex = static_cast<std::uint32_t>(chunk->positions.size());
         const std::uint32_t firstRun = _basis->FirstVertex(group.firstSegment);
-        const std::uint32_t numSegments = SegmentsOf(group.curve);
-        for (std::uint32_t i = 0; i < GroupVertices(group); ++i) {
-            const std::uint32_t run = firstRun + i;
-            const glm::vec4 vertex = VertexAt(group.curve, run, 0);
-            chunk->positions.emplace_back(vertex);
-            chunk->radii.push_back(vertex.w);
-            for (std::size_t pose = 1; pose < NumPoses(); ++pose) {
-                const glm::vec4 later = VertexAt(group.curve, run, pose);
-                chunk->keys[pose - 1].positions.emplace_back(later);
-                chunk->keys[pose - 1].radii.push_back(later.w);
-            }
-            const RunVertex from = _basis->VertexOf(run, _counts[group.curve]);
-            const std::size_t point = PointAt(group.curve, from.point);
-            chunk->points.push_back(
-                _basis->HasPhantoms()
-                    ? static_cast<std::uint32_t>(RunBegin(group.curve) + run)
-                    : static_cast<std::uint32_t>(std::min(point, _size.numPoints - 1)));
-            chunk->joints.push_back(_firstJoints[group.curve] + _basis->JointOf(run, numSegments));
+        for (std::uint32_t i = 0; i < RowVertices(group); ++i) {
+            AddVertex(group, firstRun + i, chunk);
         }
         if (_hasNormals) {
             chunk->jointNormals.resize(chunk->positions.size());
         }
         std::uint32_t primId = group.firstPrimId;
         for (std::uint32_t i = 0; i < group.numSegments; ++i) {
-            const std::uint8_t level = _levels[group.firstLevel + i];
-            if (level == kDropped) {
+            const SegmentState state = _states[group.firstState + i];
+            if (!IsDrawn(state)) {
                 continue;
             }
             const std::uint32_t segment = group.firstSegment + i;
-            const std::uint32_t first = firstVertex + _basis->FirstVertex(segment) - firstRun;
+            std::uint32_t first = firstVertex + _basis->FirstVertex(segment) - firstRun;
             for (int joint = 0; joint < 2 && _hasNormals; ++joint) {
                 chunk->jointNormals[first + static_cast<std::uint32_t>(_basis->Joints()[joint])] =
                     JointNormal(group.curve, segment, joint);
             }
-            const bool isStart = !IsDrawn(group, std::int64_t{segment} - 1);
-            const bool isEnd = !IsDrawn(group, std::int64_t{segment} + 1);
-            AddPieces(first, level, isStart, isEnd, ShapesOf(group.curve, segment), chunk);
+            const CurveStates states = StatesOf(group);
+            Ends ends;
+            ends.isStart = !states.Next(segment, -1);
+            ends.isEnd = !states.Next(segment, 1);
+            ends.stands = (state & kStands) != 0 && !ends.isEnd;
+            if (ends.stands) {
+                const std::vector<std::uint32_t> own = OwnVertices(group, segment);
+                first = own.empty() ? first : static_cast<std::uint32_t>(chunk->positions.size());
+                for (const std::uint32_t run : own) {
+                    AddVertex(group, run, chunk);
+                }
+            }
+            const std::uint32_t level = state & kLevelBits;
+            AddPieces(first, level, ends, ShapesOf(group.curve, segment), chunk);
             for (std::uint32_t piece = 0; piece < 1U << level; ++piece) {
                 chunk->primIds.push_back(primId++);
                 chunk->faces.push_back(FaceOf(group.curve));
@@ -461,14 +501,20 @@ private:
         }
     }
 
-    static void AddPieces(std::uint32_t first, std::uint8_t level, bool isStart, bool isEnd,
+    struct Ends {
+        bool isStart, isEnd; ///< of a curve
+        bool stands;         ///< kStands, and the curve goes on
+    };
+
+    static void AddPieces(std::uint32_t first, std::uint32_t level, const Ends& ends,
                           const std::vector<Points>& shapes, ChunkGeometry* chunk) {
         constexpr int kAbove = HDS_PIECE_SHIFT; // corner 1 begins there
         const std::uint32_t count = 1U << level;
         for (std::uint32_t piece = 0; piece < count; ++piece) {
             std::uint64_t bits = std::uint64_t{level} << (HDS_PIECE_LEVEL_SHIFT - kAbove) | piece;
-            bits |= isStart ? HDS_PIECE_START >> kAbove : 0;
-            bits |= isEnd ? HDS_PIECE_END >> kAbove : 0;
+            bits |= ends.isStart ? HDS_PIECE_START >> kAbove : 0;
+            bits |= ends.isEnd ? HDS_PIECE_END >> kAbove : 0;
+            bits |= ends.stands ? HDS_PIECE_STANDS >> kAbove : 0;
             chunk->triangles.emplace_back(first, static_cast<std::uint32_t>(bits), 0U);
             for (std::size_t i = 0; i < shapes.size(); ++i) {
                 Bounds bounds;
@@ -533,7 +579,8 @@ private:
     bool _hasNormals = false;
     std::vector<Group> _groups; ///< and one more for the end
     std::vector<Bounds> _groupBounds;
-    std::vector<std::uint8_t> _levels; ///< [numSegments] pieces as a power of two
+    std::vector<SegmentState> _states; ///< [numSegments]; final once constructed
+    bool _hasStanding = false;         ///< some are kStands
     mutable std::vector<GeometryAttribute>
         _values; ///< user primvars; final once ReadValues has run
     mutable std::once_flag _isRead;

@@ -141,7 +141,8 @@ std::optional<GeometryAttribute> AuthoredNormals(const GeometryDescription& mesh
         std::find_if(mesh.primvars.begin(), mesh.primvars.end(), [](const Primvar& primvar) {
             return primvar.name == "normals" && primvar.interpolation != Interpolation::Instance;
         });
-    if (found == mesh.primvars.end()) {
+    // A bilinear surface has its own, in every form that it is drawn in.
+    if (found == mesh.primvars.end() || mesh.subdivisionScheme == "bilinear") {
         return std::nullopt;
     }
     if (found->numComponents != 3) {

@@ -34,7 +34,7 @@ public:
         _prims->Describe(_result.get());
         _leaves = _areKept ? _prims->VisibleLeaves() : _prims->TakeLeaves();
         _result->centre = ChooseSceneCentre(_scene, _leaves);
-        _result->mediaBounds = FindMediaBounds(_scene, _leaves, _result->centre);
+        _result->mediaBounds = FindMediaBounds(_scene, _leaves, _result->centre, _options.shutter);
         AddHierarchy();
         AddLights();
         AddCatchers();

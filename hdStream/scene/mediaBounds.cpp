@@ -3,6 +3,7 @@
 
 #include "hdStream/scene/groupRecords.h"
 #include "hdStream/scene/placements.h"
+#include "kernels/shared/frame.h"
 
 #include <glm/common.hpp>
 
@@ -24,10 +25,19 @@ void Grow(MediaBounds* grown, const MediaBounds& box, const glm::dmat4& transfor
     }
 }
 
+/// Wherever a transform takes the box while the shutter is open: at the frame, and at the times of
+/// all keys that there may be, between which it goes straight.
+void GrowAlong(MediaBounds* grown, const MediaBounds& box, const MovingTransform& transform) {
+    Grow(grown, box, transform.AtFrame());
+    for (int i = 0; transform.Moves() && i <= HDS_MAX_MOTION_SEGMENTS; ++i) {
+        Grow(grown, box, transform.At(double(i) / HDS_MAX_MOTION_SEGMENTS));
+    }
+}
+
 /// A box around all placements, level by level: looser than placement by placement, and no matter
 /// how many they are.
 MediaBounds AroundPlacements(const SceneDescription& scene, const Placement& placement,
-                             MediaBounds box) {
+                             const Shutter& shutter, MediaBounds box) {
     const Placement* placed = &placement;
     for (int chain = 0; !placed->instancerPath.empty() && chain < kMaxInstancerChain; ++chain) {
         const auto found = scene.instancers.find(placed->instancerPath);
@@ -35,9 +45,9 @@ MediaBounds AroundPlacements(const SceneDescription& scene, const Placement& pla
         for (const std::int32_t index : placed->instances) {
             if (found != scene.instancers.end() && index >= 0 &&
                 static_cast<std::size_t>(index) < found->second.instanceTransforms.Size()) {
-                const MovingTransform moved = InstanceTransform(found->second, index, Shutter()) *
-                                              PlacementTransform(*placed, Shutter());
-                Grow(&above, box, moved.AtFrame());
+                GrowAlong(&above, box,
+                          InstanceTransform(found->second, index, shutter) *
+                              PlacementTransform(*placed, shutter));
             }
         }
         if (above.min.x > above.max.x) {
@@ -47,7 +57,7 @@ MediaBounds AroundPlacements(const SceneDescription& scene, const Placement& pla
         placed = &found->second.placement;
     }
     MediaBounds world;
-    Grow(&world, box, PlacementTransform(*placed, Shutter()).AtFrame());
+    GrowAlong(&world, box, PlacementTransform(*placed, shutter));
     return world;
 }
 
@@ -67,7 +77,7 @@ std::optional<float> DielectricPriority(const std::vector<Primvar>& primvars) {
 }
 
 MediaBounds FindMediaBounds(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
-                            glm::dvec3 centre) {
+                            glm::dvec3 centre, const Shutter& shutter) {
     MediaBounds box;
     for (const DrawnLeaf& leaf : leaves) {
         const LeafObject& object = leaf.object;
@@ -83,11 +93,11 @@ MediaBounds FindMediaBounds(const SceneDescription& scene, const std::vector<Dra
         glm::dmat4 fromWorld(1.0);
         fromWorld[3] = glm::dvec4(-centre, 1.0);
         if (NumPlacements(scene, placement) > kMostPlacements) {
-            Grow(&box, AroundPlacements(scene, placement, own), fromWorld);
+            Grow(&box, AroundPlacements(scene, placement, shutter, own), fromWorld);
             continue;
         }
-        ForEachPlacement(scene, placement, [&](const glm::dmat4& worldFromObject) {
-            Grow(&box, own, fromWorld * worldFromObject);
+        ForEachPlacement(scene, placement, shutter, [&](const MovingTransform& worldFromObject) {
+            GrowAlong(&box, own, MovingTransform(fromWorld) * worldFromObject);
         });
     }
     return box;

@@ -22,9 +22,9 @@ struct MediaBounds {
     glm::dvec3 max{-1e300};
 };
 
-/// The box of all placements of leaves with HDS_INSTANCE_MEDIUM at the frame, relative to the
-/// centre of the scene.
+/// The box of all placements of leaves with HDS_INSTANCE_MEDIUM while the shutter is open, relative
+/// to the centre of the scene.
 MediaBounds FindMediaBounds(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
-                            glm::dvec3 centre);
+                            glm::dvec3 centre, const Shutter& shutter);
 
 } // namespace hds

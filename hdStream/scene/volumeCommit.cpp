@@ -556,9 +556,18 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
         }
         VolumeShading& shading = material->second.shading;
         shading = WithTerms(std::move(shading), {path, prim, preparer, warnings});
-        if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlaceAlways)) {
+        const std::size_t numPlaces = places.size();
+        places.erase(std::remove_if(places.begin(), places.end(),
+                                    [](const Placed& one) { return !IsPlaceAlways(one); }),
+                     places.end());
+        if (!IsFinite(shading) || places.empty()) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;
+        }
+        if (places.size() < numPlaces) { // as of geometry, those alone
+            warnings.Add(path, std::to_string(numPlaces - places.size()) +
+                                   " instances of a volume dropped: transform singular or not "
+                                   "finite while the shutter is open");
         }
         VolumeGrids grids;
         TermPlan plan;

@@ -170,7 +170,7 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
 /* A triangle of a chunk: its three chunk-local vertex indices. A point or a splat: its vertex, as
  * corner 0. A piece of a segment of a curve: the first of the segment's four vertices, as corner 0,
  * and HDS_PIECE_*. The vertices before and after the four belong to the neighbours, unless the
- * segment begins or ends a curve. */
+ * segment begins or ends a curve. Behind those of a piece that stands are the next segment's. */
 typedef struct {
     u64 vertices; /* corner k in bits 21 k to 21 k + 20 */
 } HdsTriangle;
@@ -178,6 +178,7 @@ typedef struct {
 #define HDS_PIECE_LEVEL_SHIFT 28 /* 3 bits: the segment has 2^level pieces */
 #define HDS_PIECE_START 0x80000000ul
 #define HDS_PIECE_END 0x100000000ul
+#define HDS_PIECE_STANDS 0x200000000ul /* the next segment begins where its derivative is 0 */
 #define HDS_MAX_PIECE_LEVEL 7
 HDS_ASSERT_SIZE(HdsTriangle, 8);
 #define HDS_VERTEX_BITS 21

@@ -237,3 +237,35 @@ def test_transparent_tubes_have_no_inner_walls(tmp_path):
     # Means of 256 samples of 0.75; an inner wall gives 0.875: only where straight segments overlap inside a bend.
     assert picture["alpha"][inner].mean() == pytest.approx(0.75, abs=0.005)
     assert np.mean(picture["alpha"][inner] > 0.84) < 0.03
+
+
+def test_ends_and_joints_where_curves_stand_still(tmp_path):
+    """Ends of B-splines whose end points are given three times are half balls; zero handles and repeated points make the
+    corners of straight segments."""
+    corner = [np.array(point, float) for point in ((-1.5, 0.3, 0), (0, 1.8, 0), (1.5, 0.3, 0))]
+    a, b, c = corner
+
+    def Curves(points, **form):
+        def Fill(stage, glass):
+            author.AddLight(stage, "/World/Sun", "Distant", intensity=1.0)
+            author.Bind(curves.AddCurves(stage, "/World/Corner", [np.array(points)], 0.7, **form).GetPrim(), glass)
+            tip = [(0, -1.5, -2)] * 3 + [(0, -1.5, 0)] * 3
+            author.Bind(curves.AddCurves(stage, "/World/Tip", [np.array(tip, float)], 1.6).GetPrim(), glass)
+        return Fill
+
+    cases = {"straight": Curves([a, b, c], type="linear"), "repeated": Curves([a, a, b, b, b, c], type="linear"),
+             "handles": Curves([a, a, b, b, b, c, c], basis="bezier"), "still": Curves([a, a, b, b, b, b, b, b, c, c], basis="bezier")}
+    pictures = {}
+    for name, fill in cases.items():
+        (tmp_path / name).mkdir()
+        pictures[name] = Render(tmp_path / name, fill, samples=64, maxDepth=0)
+    x, y = Raster()
+    height = np.sqrt(np.maximum(0.8**2 - x**2 - (y + 1.5)**2, 0))
+    inside = height > 0.2
+    for name, picture in pictures.items():
+        np.testing.assert_allclose(picture["normal"][inside], (np.stack([x, y + 1.5, height], -1) / 0.8)[inside], atol=1e-3)
+        assert picture["alpha"][inside].mean() == pytest.approx(0.75, abs=0.01), name
+        isCorner = (pictures["straight"]["normal"][..., 2] > 0.3) & ~inside
+        assert isCorner.sum() > 150
+        np.testing.assert_allclose(picture["normal"][isCorner], pictures["straight"]["normal"][isCorner], atol=1e-3, err_msg=name)
+        assert picture["alpha"][isCorner].mean() == pytest.approx(pictures["straight"]["alpha"][isCorner].mean(), abs=0.01), name

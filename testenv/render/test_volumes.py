@@ -113,6 +113,23 @@ def test_instances_are_volumes(tmp_path):
     assert picture.statistics["volume"]["volumes"] == 3 and picture.statistics["volume"]["grids"] == 2
 
 
+def test_instances_of_scale_0_take_no_other(tmp_path):
+    """As particles are hidden: exp(-3 sigma) of the others, and a line."""
+    def AddInstances(stage):
+        _AddSmoke(stage)
+        instancer = UsdGeom.PointInstancer.Define(stage, "/World/I")
+        instancer.CreatePositionsAttr([(0, 0, -1.5), (0, 0, -5), (0, 0, -3)])
+        instancer.CreateScalesAttr([(1, 1, 1), (0, 0, 0), (1, 1, 1)])
+        instancer.CreateProtoIndicesAttr([0, 0, 0])
+        instancer.CreatePrototypesRel().SetTargets(["/World/Smoke"])
+
+    _WriteVdb(tmp_path / "smoke.vdb", density=_UNIT, flame=0 * _UNIT + 1e-30)
+    picture = ours.Render(volumeCase.Stage(tmp_path / "s.usda", width=0.5, add=AddInstances), 32, 32, samples=1024)
+    assert len(picture.warnings) == 1 and "1 instances of a volume dropped" in str(picture.warnings[0])
+    assert picture.rgb.reshape(-1, 3).mean(0) == pytest.approx(np.exp(-3 * np.array((0.5, 1.0, 2.0))), rel=0.02, abs=1e-3)
+    assert picture.statistics["volume"]["volumes"] == 3
+
+
 def test_shadows_are_beers(tmp_path):
     """A floor below a slab, lit from above: exp(-sigma) of what it is without the slab."""
     absorption = np.array((0.5, 1.0, 2.0))

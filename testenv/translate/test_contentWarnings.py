@@ -63,6 +63,12 @@ def WarningsOf(text):
     ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
      'float[] primvars:a = [1, 2] (interpolation = "vertex")\ndef Sphere "S" {} }',
      "/P: primvar a has 2 values for 1 instances; ignored"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0)]\n'
+     'rel prototypes = </P/S>\nfloat[] primvars:a = [1] (interpolation = "vertex")\nint[] primvars:a:indices = [0, 5]\n'
+     'def Sphere "S" {} }', "/P: primvar a has indices out of range; ignored"),
+    ('def TetMesh "T" { point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]\nint4[] tetVertexIndices = [(0, 1, 2, 3)]\n'
+     'def GeomSubset "A" { uniform token elementType = "tetrahedron"\nuniform token familyName = "materialBind"\n'
+     'int[] indices = [0] } }', "/T/A: a subset of elements of type tetrahedron binds no material: those of faces alone do"),
     (f'def PointInstancer "P" {{ int[] protoIndices = {[0] * 65}\npoint3f[] positions = {[(0, 0, 0)] * 65}\n'
      f'rel prototypes = </P/S>\nfloat[] primvars:widths = {list(range(65))} (interpolation = "vertex")\n'
      'def Sphere "S" {}\ndef Cube "T" {} }',

@@ -244,3 +244,23 @@ def test_topology_that_changes_is_warned_of_unless_velocities_move_it(velocities
         assert len(samples) == 2
     else:
         assert warned == ["/A: its topology changes while the shutter is open: drawn without motion blur"] and not samples
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_instances_that_change_in_number_are_told(velocities):
+    stage = StageOf("""
+        def PointInstancer "A"
+        {
+            rel prototypes = </A/P>
+            int[] protoIndices.timeSamples = { 1: [0, 0], 1.25: [0, 0, 0] }
+            point3f[] positions.timeSamples = { 1: [(0, 0, 0), (1, 0, 0)], 1.25: [(0, 1, 0), (1, 1, 0), (2, 1, 0)] }
+            def Sphere "P" {}
+        }
+        """)
+    if velocities:
+        for time, count in ((1.0, 2), (1.25, 3)):
+            stage.GetPrimAtPath("/A").GetAttribute("velocities").Set([(0, 0, 24)] * count, time)
+    session = _core.Session()
+    TranslateStage(stage, session, 1.0, SHUTTER)
+    line = "/A: its instances change in number while the shutter is open: drawn without motion blur"
+    assert session.Warnings() == ([] if velocities else [line])

@@ -120,6 +120,98 @@ def test_samples_in_time_follow():
         np.tile((1, 0, 0), (len(geometry.points), 1)), abs=1e-6)
 
 
+@pytest.mark.parametrize("interpolation, indexed", [("constant", False), ("uniform", False), ("vertex", False), ("vertex", True)])
+def test_widths_that_vary_in_time_follow(interpolation, indexed):
+    """Widths at the shutter's ends are those that a still frame has there."""
+    def Stage(isOpen):
+        stage = Usd.Stage.CreateInMemory()
+        curves = _Curves(stage)
+        count = {"constant": 1, "uniform": 2, "vertex": 13}[interpolation]
+        values = 0.1 + 0.05 * np.arange(count)
+        name = "primvars:widths" if indexed else "widths"
+        widths = curves.GetPrim().CreateAttribute(name, Sdf.ValueTypeNames.FloatArray)
+        widths.SetMetadata("interpolation", interpolation)
+        for time in (0, 1):
+            widths.Set(Vt.FloatArray((values * (1 + time)).tolist()), time)
+        if indexed:
+            curves.GetPrim().CreateAttribute(name + ":indices", Sdf.ValueTypeNames.IntArray).Set(list(range(count))[::-1])
+        if isOpen:
+            camera = UsdGeom.Camera.Define(stage, "/Camera")
+            camera.CreateShutterOpenAttr(0.0)
+            camera.CreateShutterCloseAttr(1.0)
+        return stage
+
+    moving = Translate(Stage(True), 0).Scene().geometry["/C"].geometry
+    assert [time for time, _ in moving.widthSamples] == [0, 1]
+    for time, values in moving.widthSamples:
+        still = Translate(Stage(False), time).Scene().geometry["/C"].geometry
+        expected = {primvar.name: primvar for primvar in still.primvars}["widths"].values
+        np.testing.assert_array_equal(np.asarray(values).ravel(), expected.ravel())
+
+
+def test_negative_counts_take_no_points():
+    """What follows them is drawn as without them."""
+    stage = Usd.Stage.CreateInMemory()
+    curves = _Curves(stage)
+    expected = Translate(stage).Scene().geometry["/C"].geometry
+    curves.GetCurveVertexCountsAttr().Set([9, -3, 4])
+    curves.GetOrderAttr().Set([3, 3, 4])
+    knots = list(curves.GetKnotsAttr().Get())
+    curves.GetKnotsAttr().Set(Vt.DoubleArray(knots[:12] + [0.0] * 3 + knots[12:]))
+    curves.GetRangesAttr().Set([Gf.Vec2d(0, 4), Gf.Vec2d(0, 1), Gf.Vec2d(0, 1)])
+    session = Translate(stage)
+    found = session.Scene().geometry["/C"].geometry
+    np.testing.assert_array_equal(found.points, expected.points)
+    assert session.Warnings() == ["/C: curves whose order, knots or weights make no NURBS are left out"]
+    curves.GetCurveVertexCountsAttr().Set([-1, 9, 4])
+    Translate(stage)  # knots that do not fit
+
+
+@pytest.mark.parametrize("schema, weights, text", [
+    ("curves", [1.0] * 12, "pointWeights has 12 values for 13 points; ignored"),
+    ("patch", [1.0] * 17, "pointWeights has 17 values for 18 points; ignored"),
+    ("patch", [1.0] * 17 + [0.0], "pointWeights has values that are not above 0; ignored")])
+def test_weights_that_are_ignored_are_told(schema, weights, text):
+    stage = Usd.Stage.CreateInMemory()
+    prim = (_Curves(stage) if schema == "curves" else _Cylinder(stage)).GetPrim()
+    prim.GetAttribute("pointWeights").Set(Vt.DoubleArray(weights))
+    assert Translate(stage).Warnings() == [f"{prim.GetPath()}: {text}"]
+
+
+def _Revolved(stage, profile, path="/P"):
+    """The profile [(radius, z)], of order 3 where it has 5 points, else straight, turned around z."""
+    patch = UsdGeom.NurbsPatch.Define(stage, path)
+    isArc = len(profile) == 5
+    patch.CreateUVertexCountAttr(9)
+    patch.CreateVVertexCountAttr(len(profile))
+    patch.CreateUOrderAttr(3)
+    patch.CreateVOrderAttr(3 if isArc else 2)
+    patch.CreateUKnotsAttr(Vt.DoubleArray(_CIRCLE_KNOTS))
+    patch.CreateVKnotsAttr(Vt.DoubleArray([0, 0, 0, 1, 1, 2, 2, 2] if isArc else [0, 0, 1, 1]))
+    patch.CreatePointsAttr([Gf.Vec3f(float(r * x), float(r * y), float(z)) for r, z in profile for x, y in _CIRCLE])
+    along = _CIRCLE_WEIGHTS[:5] if isArc else [1, 1]
+    patch.CreatePointWeightsAttr([float(w * v) for v in along for w in _CIRCLE_WEIGHTS])
+    return patch
+
+
+def test_poles_have_the_normal_of_the_surface():
+    """A ball's normals are its points, at its poles too; a cone's at its tip are those of the lines that end there."""
+    stage = Usd.Stage.CreateInMemory()
+    _Revolved(stage, [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)], "/Ball")
+    _Revolved(stage, [(1, 0), (0, 2)], "/Cone")
+    session = Translate(stage)
+    ball, cone = (session.Scene().geometry[path].geometry for path in ("/Ball", "/Cone"))
+    normals = {primvar.name: primvar for primvar in ball.primvars}["normals"].values
+    assert np.linalg.norm(ball.points, axis=1) == pytest.approx(np.ones(len(ball.points)), abs=1e-6)
+    assert (np.linalg.norm(ball.points[:, :2], axis=1) < 1e-6).sum() == 2 * 33  # both poles, once for each meridian
+    assert normals == pytest.approx(ball.points, abs=5e-4)
+    normals = {primvar.name: primvar for primvar in cone.primvars}["normals"].values.reshape(9, 33, 3)
+    angles = np.arctan2(cone.points[:33, 1], cone.points[:33, 0])
+    expected = np.stack([2 * np.cos(angles), 2 * np.sin(angles), np.ones(33)], 1) / np.sqrt(5)
+    assert normals == pytest.approx(np.tile(expected, (9, 1, 1)), abs=1e-5)
+    assert not session.Warnings()
+
+
 def _Cylinder(stage, path="/P", leftHanded=False):
     """The circle along u, a line of length 2 along v."""
     patch = UsdGeom.NurbsPatch.Define(stage, path)

@@ -217,6 +217,41 @@ def test_patches_and_tetrahedra_are_carried(add):
         assert np.array(samples[part - 0.5]) == pytest.approx(expected, abs=1e-5), part
 
 
+@pytest.mark.parametrize("schema", ["TetMesh", "NurbsPatch"])
+def test_what_becomes_a_mesh_is_carried(schema):
+    """Tetrahedra by their points; of a patch of order 2 the corners of its grid are its points. Both move while the shutter is
+    open."""
+    stage = Bending()
+    bend = stage.GetPrimAtPath("/Arm/Skeleton/Bend").GetAttribute("rotations")
+    bent = bend.Get()
+    for time, value in ((1.5, [Gf.Quatf(1), Gf.Quatf(1)]), (2.0, bent)):
+        bend.Set(value, time)
+    prim = stage.DefinePrim("/Arm/Solid", schema)
+    rest = [(2, 0, 0), (4, 0, 0), (2, 1, 0), (4, 1, 0)]
+    if schema == "TetMesh":
+        rest[3] = (2, 0, 1)
+        UsdGeom.TetMesh(prim).CreateTetVertexIndicesAttr([Gf.Vec4i(0, 1, 2, 3)])
+    else:
+        for axis in "uv":
+            prim.GetAttribute(f"{axis}VertexCount").Set(2)
+            prim.GetAttribute(f"{axis}Order").Set(2)
+            prim.GetAttribute(f"{axis}Knots").Set([0.0, 0.0, 1.0, 1.0])
+    prim.GetAttribute("points").Set(rest)
+    binding = UsdSkel.BindingAPI.Apply(prim)
+    binding.CreateJointIndicesPrimvar(True, 1).Set([1])
+    binding.CreateJointWeightsPrimvar(True, 1).Set([1.0])
+    corners = [0, 1, 2, 3] if schema == "TetMesh" else [0, 8, 72, 80]
+    assert Points("Solid", 2.0, stage)[corners] == pytest.approx(np.array([Bent(p) for p in rest]), abs=2e-6)
+    session = _core.Session()
+    TranslateStage(stage, session, 1.5, (0.0, 0.5))
+    geometry = session.Scene().geometry["/Arm/Solid"].geometry
+    assert np.asarray(geometry.samples[-1][1])[corners] == pytest.approx(np.array([Bent(p) for p in rest]), abs=2e-6)
+    if schema == "NurbsPatch":
+        normals = next(primvar for primvar in geometry.primvars if primvar.name == "normals").values
+        flat = np.cross(geometry.points[8] - geometry.points[0], geometry.points[72] - geometry.points[0])
+        assert normals == pytest.approx(np.tile(flat / np.linalg.norm(flat), (81, 1)), abs=1e-5)
+
+
 @pytest.mark.parametrize("time", [2.0, 2.25, 3.0])
 def test_blend_shape_weights_vary_with_time(time):
     weight = time - 2

@@ -270,7 +270,66 @@ TEST(CurveSource, BadContentIsOneLineEach) {
     }
     curves = MakeCurves({5}, spline);
     curves.points = std::vector<float>(15, 0.25F); // all in one place: a ball
-    EXPECT_EQ(GatherAll(curves).all.triangles.size(), 2U);
+    EXPECT_EQ(GatherAll(curves).all.triangles.size(), 1U);
+}
+
+/// Segments whose points are one lie in the balls of their neighbours, which know each other past
+/// them; a curve of nothing else is one ball.
+TEST(CurveSource, SegmentsThatStandStillArePassedOver) {
+    constexpr std::uint32_t kStart = HDS_PIECE_START >> HDS_PIECE_SHIFT;
+    constexpr std::uint32_t kEnd = HDS_PIECE_END >> HDS_PIECE_SHIFT;
+    constexpr std::uint32_t kStands = HDS_PIECE_STANDS >> HDS_PIECE_SHIFT;
+    GeometryDescription curves = MakeCurves({6}, {"linear", "", "nonperiodic"});
+    curves.points = std::vector<float>{0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 2, 1, 0, 2, 1, 0};
+    curves.primvars.push_back(
+        MakePrimvar("a", Interpolation::Vertex, {10, 11, 12, 13, 14, 15})); // a jump at the joint
+    Gathered run = GatherAll(curves);
+    EXPECT_TRUE(run.lines.empty());
+    EXPECT_EQ(run.source->NumTriangles(), 2U);
+    ASSERT_EQ(run.all.triangles.size(), 2U);
+    const glm::uvec3 first = run.all.triangles[0];
+    const glm::uvec3 second = run.all.triangles[1];
+    EXPECT_EQ(first.y & (kStart | kEnd | kStands), kStart | kStands);
+    EXPECT_EQ(second.y & (kStart | kEnd | kStands), kEnd);
+    const std::vector<glm::vec3>& at = run.all.positions;
+    EXPECT_EQ(at[first.x + 3] - at[first.x + 2], glm::vec3(1.0F, 1.0F, 0.0F)) << "past the joint";
+    EXPECT_EQ(run.all.points[first.x + 2], 1U);
+    EXPECT_EQ(run.all.points[second.x + 1], 3U) << "the jump stays";
+    // Groups of 16 segments apart.
+    std::vector<float> points(3 * 60, 1.0F);
+    std::fill(points.begin(), points.begin() + 3, 0.0F);
+    std::fill(points.end() - 3, points.end(), 5.0F);
+    for (const char* basis : {"", "bezier", "bspline", "catmullRom"}) {
+        curves = MakeCurves({58}, {*basis != 0 ? "cubic" : "linear", basis, "nonperiodic"});
+        points.resize(3 * 58);
+        std::fill(points.end() - 3, points.end(), 5.0F);
+        curves.points = points;
+        run = GatherAll(curves);
+        ASSERT_FALSE(run.all.triangles.empty());
+        EXPECT_EQ(NumSegments(run.all), run.source->NumPrimitiveGroups() == 0 ? 0U : 2U) << basis;
+        EXPECT_NE(run.all.triangles.front().y & kStands, 0U) << basis;
+        EXPECT_EQ(run.all.triangles.front().y & kEnd, 0U) << basis;
+        EXPECT_EQ(run.all.triangles.back().y & (kStart | kEnd | kStands), kEnd) << basis;
+    }
+    for (const char* wrap : {"nonperiodic", "periodic"}) {
+        curves = MakeCurves({40}, {"linear", "", wrap});
+        curves.points = std::vector<float>(120, 0.5F);
+        run = GatherAll(curves);
+        EXPECT_EQ(run.all.triangles.size(), 1U) << wrap;
+    }
+}
+
+/// Counts ask for what they like: memory is that of what there is.
+TEST(CurveSource, CountsBeyondThePointsTakeNoMemory) {
+    GeometryDescription curves = MakeCurves({4}, {"cubic", "bspline", "pinned"});
+    curves.faceVertexCounts = std::vector<std::int32_t>{4, 2147483647, 2147483647, 2147483647};
+    curves.primvars.push_back(MakePrimvar("a", Interpolation::Vertex, {1, 2, 3, 4}));
+    const Gathered run = GatherAll(curves);
+    EXPECT_EQ(NumSegments(run.all), 3U);
+    ASSERT_EQ(run.all.attributes.size(), 1U);
+    EXPECT_LT(run.all.attributes[0].values.size(), 16U);
+    EXPECT_EQ(run.lines.front(),
+              "/c: 3 curves dropped: curveVertexCounts negative or beyond the points");
 }
 
 TEST(PointSource, PointsAreSpheresAndBadOnesALine) {

@@ -69,6 +69,10 @@ def _ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn, skin):
         prim, names, points, motion, warn, ("curveVertexCounts",), skin)]
     primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, _DEFAULT_WIDTH)
     curves.primvars = nurbsCurves.Primvars(primvars, prim, warn)
+    widthSamples = motion.PrimvarSamplesOf(prim, "widths", names, primvars)
+    if widthSamples:
+        widths = next(primvar for primvar in primvars if primvar.name == "widths")
+        curves.widthSamples = nurbsCurves.SamplesOf(widths, widthSamples)
     return curves
 
 

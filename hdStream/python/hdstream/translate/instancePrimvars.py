@@ -40,6 +40,7 @@ def ReadInstancePrimvars(prim, names, numInstances, timeCode, warn):
         rows = primvar.values.reshape(-1, primvar.numComponents)
         if primvar.indices.size:
             if primvar.indices.min() < 0 or primvar.indices.max() >= len(rows):
+                warn(prim, f"primvar {primvar.name} has indices out of range; ignored")
                 continue
             rows = rows[primvar.indices]
         if primvar.colorSpace:

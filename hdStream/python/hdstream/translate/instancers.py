@@ -140,7 +140,7 @@ class Instancers:
             self._translator.mappedLayers.AddOf(prim)
             placement = self._translator.PlacementOf(state, context)
             samples = [] if arrays.isAtRest else self._translator.MotionOf(state).PointInstanceSamplesOf(
-                UsdGeom.PointInstancer(prim), arrays.numInstances)
+                UsdGeom.PointInstancer(prim), arrays.numInstances, self._reports.Warn)
             self._AddInstancer(path, placement, arrays.transforms, samples, context)
         return None
 

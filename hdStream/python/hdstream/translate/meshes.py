@@ -184,7 +184,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn, skin=None):
     points = ReadPoints(prim, names, timeCode)
     if points is None or not points.size:
         return None
-    patch = nurbs.Patch(prim, len(points), timeCode)
+    patch = nurbs.Patch(prim, len(points), timeCode, warn)
     if patch.gridSizes is None:
         warn(prim, "its orders, knots and vertex counts make no NURBS patch; it is left out")
         return None
@@ -202,7 +202,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn, skin=None):
     mesh.primvars = patch.Primvars(PrimvarsOf(prim, names, inherited, timeCode), prim, warn)
     side = np.float32(-1.0 if mesh.leftHanded else 1.0)
     normals = [patch.Normals(array) for array in (posed, *(array for _, array in samples))]
-    if all(rows is not None for rows in normals):  # at a pole they are those of the faces around
+    if all(rows is not None for rows in normals):
         mesh.primvars = mesh.primvars + [_core.Primvar("normals", _core.Interpolation.Vertex, side * normals[0])]
         mesh.normalSamples = [(time, side * rows) for (time, _), rows in zip(samples, normals[1:])]
     return mesh
@@ -241,10 +241,13 @@ def _ImplicitCage(prim, typeName, names, timeCode, warn):
     return mesh
 
 
-def ReadSubset(prim, timeCode):
+def ReadSubset(prim, timeCode, warn):
     """A face subset of the family materialBind; None for any other subset."""
-    if (prim.GetAttribute("familyName").Get() != "materialBind"
-            or prim.GetAttribute("elementType").Get() != "face"):
+    elementType = prim.GetAttribute("elementType").Get()
+    if prim.GetAttribute("familyName").Get() != "materialBind":
+        return None
+    if elementType != "face":
+        warn(prim, f"a subset of elements of type {elementType} binds no material: those of faces alone do")
         return None
     faces = ReadArray(prim, "indices", timeCode, np.int32)
     if faces is None or not faces.size:

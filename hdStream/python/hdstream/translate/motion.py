@@ -24,6 +24,7 @@ _STRAIGHT = 256
 _SHUTTER = ("shutter:open", "shutter:close")
 
 CHANGES_IN_NUMBER = "its points change in number while the shutter is open: drawn without motion blur"
+INSTANCES_CHANGE_IN_NUMBER = "its instances change in number while the shutter is open: drawn without motion blur"
 
 
 def ReadBlurScale(prim, timeCode, warn):
@@ -132,17 +133,28 @@ class Motion:
         """(time, arrays) of lists of matrices at `times`, one for each instance."""
         return [(time, np.asarray(Vt.Matrix4dArray([own[i] for own in matrices]))) for i, time in enumerate(self._Told(self.times))]
 
-    def PointInstanceSamplesOf(self, instancer, count):
+    def PointInstanceSamplesOf(self, instancer, count, warn):
         """(time, arrays) of a UsdGeomPointInstancer; velocities count."""
         if not self.isOn:
             return []
         curving = (instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
-        times = self.TimesOf(instancer.GetPrim(), ("positions", "orientations", "orientationsf", "scales"),
+        names = ("positions", "orientations", "orientationsf", "scales")
+        times = self.TimesOf(instancer.GetPrim(), names,
                              isCurved=any(attribute.HasAuthoredValue() for attribute in curving))
         arrays = instancer.ComputeInstanceTransformsAtTimes(
             [self.At(time) for time in times], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask)
-        return _Samples(self._Told(times), [np.asarray(array) for array in arrays], count)
+        samples = _Samples(self._Told(times), [np.asarray(array) for array in arrays], count)
+        prim = instancer.GetPrim()
+        if not samples and not self._HasVelocities(prim, count, "positions") and any(
+                self._ChangesInNumber(prim.GetAttribute(name), times) for name in names):
+            warn(prim, INSTANCES_CHANGE_IN_NUMBER)  # UsdGeom gives those of the frame for all times
+        return samples
+
+    def _ChangesInNumber(self, attribute, times):
+        if not attribute or not valueClips.Varies(attribute):
+            return False
+        return len({len(attribute.Get(self.At(time)) or ()) for time in (0.0, *times)}) > 1
 
     def PointSamplesOf(self, prim, names, count, warn, topology=()):
         """(time, points) of a PointBased prim; velocities count. `topology`: names of what must not change; where it
@@ -176,11 +188,13 @@ class Motion:
         arrays = [attribute.Get(self.At(time)) for time in times]
         return _Samples(self._Told(times), arrays, count) if all(len(array or ()) == count for array in arrays) else None
 
-    def _HasVelocities(self, prim, count):
+    def _HasVelocities(self, prim, count, points="points"):
         """Whether UsdGeom moves the points by them: they have a sample where the points have that before the frame."""
         velocities = prim.GetAttribute("velocities")
+        if not velocities:
+            return False
         frame = self.timeCode.GetValue()
-        samples = [attribute.GetBracketingTimeSamples(frame)[:1] for attribute in (prim.GetAttribute("points"), velocities)]
+        samples = [attribute.GetBracketingTimeSamples(frame)[:1] for attribute in (prim.GetAttribute(points), velocities)]
         return len(velocities.Get(self.timeCode) or ()) == count and bool(samples[0]) and samples[0] == samples[1]
 
     def _Changes(self, attribute):

@@ -13,6 +13,11 @@ from hdstream import _core
 # Pieces that a span of knots is cut into where no cubic is exact: rational ones, and those of an order above 4.
 _PIECES = 16
 _PATCH_PIECES = 8  # edges along a span of a patch
+# A point of a patch has no normal where the cross product of derivatives is less than this part of the longest one...
+_DEGENERATE = 1e-6
+# ...and takes that of where this part of the way along u and v to the middle of the patch has been gone; shorter ones count there.
+_STEPS = ((0.0, 1e-4), (1e-4, 0.0), (1e-4, 1e-4), (1e-2, 1e-2))
+_DEGENERATE_INSIDE = 1e-9
 
 
 class Rows:
@@ -107,6 +112,10 @@ def BezierRows(knots, order, weights, interval=None):
     return Rows(np.append(first.firsts[:1], firsts), np.append(first.entries[:1], entries, 0))
 
 
+def _IsWithin(indices, count):
+    return not indices.size or (indices.min() >= 0 and indices.max() < count)
+
+
 def _Primvars(shape, primvars, kept, prim, warn):
     """Primvars of those interpolations as they are, and those with a value a point as values of what is drawn."""
     result = []
@@ -114,8 +123,7 @@ def _Primvars(shape, primvars, kept, prim, warn):
         if primvar.interpolation in (_core.Interpolation.Vertex, _core.Interpolation.Varying):
             rows = primvar.values.reshape(-1, primvar.numComponents)
             if primvar.indices.size:
-                isWithin = primvar.indices.min() >= 0 and primvar.indices.max() < len(rows)
-                rows = rows[primvar.indices] if isWithin else rows[:0]
+                rows = rows[primvar.indices] if _IsWithin(primvar.indices, len(rows)) else rows[:0]
             if len(rows) == shape.numPoints:
                 rows = shape.Of(rows)
                 rows = rows[:, 0].copy() if primvar.numComponents == 1 else rows
@@ -128,6 +136,16 @@ def _Primvars(shape, primvars, kept, prim, warn):
     return result
 
 
+def _Weights(weights, numPoints, prim, warn):
+    """The weights of points as an array; None where there are none, or not one for each point."""
+    if not weights:
+        return None
+    if len(weights) != numPoints:
+        warn(prim, f"pointWeights has {len(weights)} values for {numPoints} points; ignored")
+        return None
+    return np.asarray(weights, float)
+
+
 class Curves:
     """The curves of a UsdGeomNurbsCurves prim as cubic Bezier curves."""
 
@@ -137,12 +155,12 @@ class Curves:
             return (attribute.Get(timeCode) if attribute else None) or []
 
         orders, knots, ranges = Values("order"), np.asarray(Values("knots"), float), Values("ranges")
-        weights = Values("pointWeights")
-        weights = np.asarray(weights, float) if weights and len(weights) == numPoints else None
+        weights = _Weights(Values("pointWeights"), numPoints, prim, warn)
         self._blocks = []  # (slice of its points, Rows) of each curve
         point = knot = 0
-        for number, count in enumerate(counts):
-            order = int(orders[number]) if number < len(orders) else 0
+        for number, authored in enumerate(counts):
+            count = max(authored, 0)  # those of no curve have neither points nor knots
+            order = max(int(orders[number]), 0) if number < len(orders) else 0
             own = knots[knot:knot + count + order]
             ownWeights = weights[point:point + count] if weights is not None else None
             interval = ranges[number] if number < len(ranges) else None
@@ -165,6 +183,21 @@ class Curves:
         parts = [rows @ values[points] for points, rows in self._blocks]
         return np.ascontiguousarray(np.concatenate(parts), np.float32)
 
+    def SamplesOf(self, primvar, samples):
+        """(time, values) of a primvar as Primvars gives them; empty where it leaves it out."""
+        if primvar.interpolation == _core.Interpolation.Constant or (
+                primvar.interpolation == _core.Interpolation.Uniform and self.isWhole):
+            return samples
+
+        def AtPoints(values):
+            return values[primvar.indices] if primvar.indices.size else values
+
+        if (primvar.interpolation not in (_core.Interpolation.Vertex, _core.Interpolation.Varying)
+                or not all(_IsWithin(primvar.indices, len(values)) and len(AtPoints(values)) == self.numPoints
+                           for _, values in samples)):
+            return []
+        return [(time, self.Of(AtPoints(values))[:, 0].copy()) for time, values in samples]
+
     def Primvars(self, primvars, prim, warn):
         """Constants, those of whole curves where all are drawn, and those of points as values of the Bezier curves' points."""
         return _Primvars(self, primvars, ("Constant", "Uniform") if self.isWhole else ("Constant",), prim, warn)
@@ -173,7 +206,7 @@ class Curves:
 class Patch:
     """A UsdGeomNurbsPatch as a grid of quads with normals; `gridSizes` is None where it is none."""
 
-    def __init__(self, prim, numPoints, timeCode):
+    def __init__(self, prim, numPoints, timeCode, warn):
         def Pair(name):
             return [prim.GetAttribute(axis + name).Get(timeCode) for axis in "uv"]
 
@@ -181,7 +214,7 @@ class Patch:
         orders = [int(value or 0) for value in Pair("Order")]
         knots = [np.asarray(value or [], float) for value in Pair("Knots")]
         ranges = Pair("Range")
-        weights = prim.GetAttribute("pointWeights").Get(timeCode)
+        weights = _Weights(prim.GetAttribute("pointWeights").Get(timeCode), numPoints, prim, warn)
         self.gridSizes, self.numPoints = None, numPoints
         isUsable = self.sizes[0] * self.sizes[1] == numPoints and all(
             order >= 2 and size >= order and len(own) == size + order and np.isfinite(own).all() and (np.diff(own) >= 0).all()
@@ -191,12 +224,16 @@ class Patch:
             return
         at = [np.unique(np.concatenate([np.linspace(a, b, _PATCH_PIECES + 1) for a, b in zip(end[:-1], end[1:])]))
               for end in ends]
+        self._knots, self._orders, self._at = knots, orders, at
         self._u, self._v = [BasisRows(own, order, values) for own, order, values in zip(knots, orders, at)]
         self._du, self._dv = [BasisRows(own, order, values, 1) for own, order, values in zip(knots, orders, at)]
         self.gridSizes = (len(at[0]), len(at[1]))
         self._weights = None
-        if weights and len(weights) == numPoints and min(weights) > 0:
-            self._weights = np.asarray(weights, float)[:, None]
+        if weights is not None and not (weights > 0).all():
+            warn(prim, "pointWeights has values that are not above 0; ignored")
+            weights = None
+        if weights is not None:
+            self._weights = weights[:, None]
             self._sums = self._Along(self._u, self._v, self._weights)
 
     def _Along(self, u, v, values):
@@ -220,20 +257,36 @@ class Patch:
         """Constants, and those of points as values of the grid; normals are those of the surface."""
         return _Primvars(self, [primvar for primvar in primvars if primvar.name != "normals"], ("Constant",), prim, warn)
 
-    def _Slopes(self, u, v, points):
-        """Derivatives of the grid's points; of `u` and `v` one is that of a basis."""
-        if self._weights is None:
-            return self._Along(u, v, points)
-        slopes, sumSlopes = self._Along(u, v, points * self._weights), self._Along(u, v, self._weights)
-        return (slopes - self._Values(points) * sumSlopes) / self._sums
-
     def Normals(self, points):
-        """Unit normals of the grid, along the cross product of the derivatives along u and v."""
+        """Unit normals of the grid, along the cross product of the derivatives along u and v. Where that is 0, as in a pole,
+        they are those of the surface a little towards its middle, which a limit is. None where no point has one."""
         points = np.asarray(points, float)
-        normals = np.cross(self._Slopes(self._du, self._v, points), self._Slopes(self._u, self._dv, points))
+        normals = self._Crosses(self._u, self._v, self._du, self._dv, points)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        isDegenerate = bool((lengths < 1e-12 * max(float(lengths.max()), 1e-300)).any())
-        return None if isDegenerate else np.ascontiguousarray(normals / lengths, np.float32)
+        lengths = np.where(np.isfinite(lengths), lengths, 0.0)  # what is not finite the core counts and names
+        longest = max(float(lengths.max()), 1e-300)
+        isKnown = lengths > _DEGENERATE * longest
+        if not isKnown.any():
+            return None
+        for steps in () if isKnown.all() else _STEPS:
+            at = [own + step * (0.5 * (own[0] + own[-1]) - own) for own, step in zip(self._at, steps)]
+            rows = [BasisRows(own, order, values, derivative) for derivative in (0, 1)
+                    for own, order, values in zip(self._knots, self._orders, at)]
+            inside = self._Crosses(*rows, points)
+            lengthsInside = np.linalg.norm(inside, axis=1, keepdims=True)
+            isFound = ~isKnown & (lengthsInside > _DEGENERATE_INSIDE * longest)
+            normals, lengths = np.where(isFound, inside, normals), np.where(isFound, lengthsInside, lengths)
+            isKnown |= isFound
+        return np.ascontiguousarray(np.where(isKnown, normals / np.maximum(lengths, 1e-300), 0), np.float32)
+
+    def _Crosses(self, u, v, du, dv, points):
+        """Cross products of the derivatives along u and v of the points of a grid: rows of both bases and of their derivatives."""
+        if self._weights is None:
+            return np.cross(self._Along(du, v, points), self._Along(u, dv, points))
+        weighted, sums = points * self._weights, self._Along(u, v, self._weights)
+        values = self._Along(u, v, weighted) / sums
+        return np.cross(*[(self._Along(*rows, weighted) - values * self._Along(*rows, self._weights)) / sums
+                          for rows in ((du, v), (u, dv))])
 
     def Faces(self):
         """(counts, indices) of the quads."""

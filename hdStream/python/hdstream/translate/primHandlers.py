@@ -183,7 +183,7 @@ class PrimHandlers:
         children = prim.GetFilteredChildren(context.predicate)
         for child in children:
             if child.IsA(UsdGeom.Subset):
-                subset = meshes.ReadSubset(child, self._timeCode)
+                subset = meshes.ReadSubset(child, self._timeCode, self._reports.Warn)
                 if subset is not None:
                     subset.name = context.ScenePath(child)
                     subsets.append(subset)
