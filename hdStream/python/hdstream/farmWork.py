@@ -12,7 +12,7 @@ import numpy as np
 
 from hdstream import _core, filmSums
 from hdstream.errors import EXIT_USAGE, CommandError
-from hdstream.frameJob import FrameWriter
+from hdstream.frameJob import FrameWriter, ProgramOf
 from hdstream.mattes import JoinHeaders
 
 BLOCK = _core.SAMPLE_BLOCK
@@ -24,10 +24,18 @@ _current = None   # (job's id, its FrameWriter, its warnings)
 
 def Describe(device):
     """What the client wants to know before it sends work. Never raises."""
+    program = {"version": _core.VERSION, "program": ProgramOf()}
     try:
-        return {"version": _core.VERSION, "device": _core.FindDevice(device).name}
+        return {**program, "device": _core.FindDevice(device).name}
     except _core.Error as error:
-        return {"version": _core.VERSION, "error": str(error)}
+        return {**program, "error": str(error)}
+
+
+def DifferenceOf(program, own):
+    """What keeps the work of a process with that ProgramOf out of the pictures of another; empty: nothing."""
+    if not program or program[0] != own[0]:
+        return f"has {f'hdstream {program[0]}' if program else 'another hdstream'}, this is {own[0]}"
+    return "" if tuple(program) == tuple(own) else "has other kernels than this process"
 
 
 def Stop(jobId):
@@ -96,7 +104,7 @@ def JoinBlocks(jobId, job, frame, firstSample, parts):
         image = writer.renderer.RenderPrepared(None, film)
         image.statistics["parts"] = [part["work"] for part in parts]
         writer.Finish(frame, image)
-        return _Summary(image)
+        return {**_Summary(image), "origins": _OriginsOf(parts)}
 
     return _FirstBad(parts) or _Do(jobId, job, Work)
 
@@ -124,7 +132,7 @@ def JoinTiles(jobId, job, frame, parts):
         headers = JoinHeaders([part["headers"] for part in parts])
         image = writer.renderer.ImageOf(aovs, parts[0]["samples"], {"parts": [part["statistics"] for part in parts]}, headers)
         writer.Finish(frame, image)
-        return _Summary(image)
+        return {**_Summary(image), "origins": _OriginsOf(parts)}
 
     return _FirstBad(parts) or _Do(jobId, job, Work)
 
@@ -137,12 +145,21 @@ def _FirstBad(parts):
     return next((part for part in parts if "error" in part or "isStopped" in part), None)
 
 
+def _OriginsOf(parts):
+    return [origin for part in parts for origin in part.get("origins", ())]
+
+
 def _Do(jobId, job, work):
     """Runs `work(writer)`; errors of stages and files become values: trying again would not help."""
     start = time.perf_counter()
     with _lock:
         if jobId in _stopped:
             return {"isStopped": True}
+        address = _Worker().address
+        program = ProgramOf()
+        difference = job.program and DifferenceOf(program, job.program)
+        if difference:  # it has joined after the client asked
+            return {"error": f"worker {address}: {difference}", "isUsage": False}
         try:
             writer, warnings = _WriterOf(jobId, job)
             result = work(writer)
@@ -150,8 +167,10 @@ def _Do(jobId, job, work):
             isUsage = isinstance(error, _core.UsageError) or getattr(error, "exitCode", None) == EXIT_USAGE
             return {"error": str(error), "isUsage": isUsage}
         _Tell(jobId, 1.0)
-        return {**result, "warnings": list(warnings),
-                "work": {"seconds": time.perf_counter() - start, "device": _core.FindDevice(job.settings.get("device", "")).name}}
+        device = _core.FindDevice(job.settings.get("device", "")).name
+        origin = {"worker": address, "program": program, "device": device}
+        return {**result, "warnings": list(warnings), "origins": [origin, *result.get("origins", ())],
+                "work": {"seconds": time.perf_counter() - start, "device": device}}
 
 
 def _WriterOf(jobId, job):
@@ -163,10 +182,14 @@ def _WriterOf(jobId, job):
     return _current[1], _current[2]
 
 
+def _Worker():
+    from distributed import get_worker
+    return get_worker()
+
+
 def _Tell(jobId, fraction):
     """The client hears which share of this task is done."""
-    from distributed import get_worker
-    worker = get_worker()
+    worker = _Worker()
     worker.log_event(jobId, {"task": str(worker.get_current_task()), "fraction": fraction})
 
 
