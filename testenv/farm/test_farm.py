@@ -258,6 +258,10 @@ def test_other_programs_are_refused_whenever_they_join(program, words, monkeypat
         MakeFarmOf({"One"}, FlushedList([]))._Check(Frame(1.0, "f"), ResultOf("One", program))
     with pytest.raises(CommandError, match="another hdstream"):  # too old to say
         MakeFarmOf({"One"}, FlushedList([]))._Check(Frame(1.0, "f"), {"isThere": True})
+    for part in (ResultOf("One", program), {}):  # nor are its parts joined
+        for Join in (farmWork.JoinTiles, lambda *arguments: farmWork.JoinBlocks(*arguments[:3], 0, arguments[3])):
+            result = Join("job", Job("none.usda", program=ProgramOf()), Frame(1.0, "none.exr"), [ResultOf("One"), part])
+            assert result["error"].startswith("worker ") and not result["isUsage"]
     # The worker itself, before it writes anything.
     monkeypatch.setattr(farmWork, "_Worker", lambda: SimpleNamespace(address="tcp://b"))
     monkeypatch.setattr(farmWork, "ProgramOf", lambda: program)

@@ -106,7 +106,7 @@ def JoinBlocks(jobId, job, frame, firstSample, parts):
         writer.Finish(frame, image)
         return {**_Summary(image), "origins": _OriginsOf(parts)}
 
-    return _FirstBad(parts) or _Do(jobId, job, Work)
+    return _FirstBad(job, parts) or _Do(jobId, job, Work)
 
 
 def RenderTile(jobId, job, frame, crop, interval=1.0):
@@ -134,19 +134,25 @@ def JoinTiles(jobId, job, frame, parts):
         writer.Finish(frame, image)
         return {**_Summary(image), "origins": _OriginsOf(parts)}
 
-    return _FirstBad(parts) or _Do(jobId, job, Work)
+    return _FirstBad(job, parts) or _Do(jobId, job, Work)
 
 
 def _Summary(image):
     return {"samples": image.samples, "width": image.width, "height": image.height, "statistics": image.statistics}
 
 
-def _FirstBad(parts):
-    return next((part for part in parts if "error" in part or "isStopped" in part), None)
+def _FirstBad(job, parts):
+    """What keeps parts from being joined, as a result; None: nothing."""
+    bad = next((part for part in parts if "error" in part or "isStopped" in part), None)
+    for origin in _OriginsOf(parts) if bad is None and job.program else ():
+        difference = DifferenceOf(origin.get("program"), job.program)
+        if difference:  # a worker that is too old to refuse
+            return {"error": f"worker {origin.get('worker', 'of a part')}: {difference}", "isUsage": False}
+    return bad
 
 
 def _OriginsOf(parts):
-    return [origin for part in parts for origin in part.get("origins", ())]
+    return [origin for part in parts for origin in part.get("origins") or [{}]]
 
 
 def _Do(jobId, job, work):
