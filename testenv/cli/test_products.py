@@ -212,7 +212,7 @@ def test_resume_knows_every_file(stage, tmp_path):
 def test_resume_knows_the_colours_of_every_file(tmp_path, monkeypatch):
     """A .png that is the second file of its picture."""
     monkeypatch.chdir(tmp_path)
-    stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = [</A>, </B>] }\n'
+    stage = WriteStage(tmp_path, _BRIGHT + 'def RenderSettings "S" { rel products = [</A>, </B>] }\n'
                        'def RenderProduct "A" { token productName = "a.exr" }\ndef RenderProduct "B" { token productName = "b.png" }\n')
     arguments = ["record", stage, "-rs", "/S", "-w", "24", "--maxDepth", "2", "--samples", "4", "-color"]
     assert RunHere(*arguments, "disabled").code == 0

@@ -218,8 +218,10 @@ def test_a_picture_that_could_not_be_written_is_not_there(stage, tmp_path, monke
     import json
     from hdstream import _core, image
     output, whole, stats = tmp_path / "o.png", tmp_path / "whole.png", tmp_path / "s.json"
+    text = stage.read_text()
+    stage.write_text(text.replace("intensity = 1", "intensity = 10000"))  # what 8 bits show
     Record(stage, output, 4)
-    stage.write_text(stage.read_text().replace("intensity = 1", "intensity = 2"))
+    stage.write_text(text.replace("intensity = 1", "intensity = 20000"))
     assert RunHere("record", stage, whole, *OPTIONS, "--samples", 4).code == 0
     assert output.read_bytes() != whole.read_bytes(), "the test would show little"
 
