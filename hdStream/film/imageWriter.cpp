@@ -323,19 +323,29 @@ EncodedImage EncodeLinear(const ImageLayer& layer, FileKind kind) {
     return image;
 }
 
-/// The layer a format with room for one layer stores.
-const ImageLayer& MainLayer(const std::string& file, const std::vector<ImageLayer>& layers) {
-    for (const ImageLayer& layer : layers) {
-        if (layer.name == "color") {
-            return layer;
-        }
-    }
-    if (layers[0].isInteger) {
-        throw Error("cannot write '" + file + "': ids ('" + layers[0].name +
+/// What the choice of a layer depends on.
+struct LayerKind {
+    std::string name;
+    std::size_t numChannels;
+    bool isInteger;
+};
+
+/// Which layer a format with room for one layer stores. Throws (Usage) where it cannot hold that.
+std::size_t MainLayer(const std::string& file, const std::vector<LayerKind>& layers) {
+    const auto color = std::find_if(layers.begin(), layers.end(),
+                                    [](const LayerKind& layer) { return layer.name == "color"; });
+    const auto main = color != layers.end() ? color : layers.begin();
+    if (main->isInteger) {
+        throw Error("cannot write '" + file + "': ids ('" + main->name +
                         "') can only be stored in an .exr file",
                     ErrorKind::Usage);
     }
-    return layers[0];
+    if (main->numChannels == 2 && KindOf(file) != FileKind::Tiff) {
+        throw Error("cannot write '" + file + "': two channels ('" + main->name +
+                        "') can only be stored in an .exr or .tif file",
+                    ErrorKind::Usage);
+    }
+    return static_cast<std::size_t>(main - layers.begin());
 }
 
 /// Feeds all rows to an open encoder, in bands that let it compress in parallel.
@@ -474,8 +484,15 @@ void EncodeToFile(const std::string& file, FileKind kind, const OIIO::ImageSpec&
 
 } // namespace
 
-void CheckImageFile(const std::string& file) {
-    KindOf(file);
+void CheckImageFile(const std::string& file, const std::vector<std::string>& aovs) {
+    if (KindOf(file) != FileKind::Exr && !aovs.empty()) {
+        std::vector<LayerKind> layers;
+        for (const std::string& name : aovs) {
+            const AovInfo* info = FindAov(name);
+            layers.push_back({name, info ? info->channels.size() : 3, info && info->isInteger});
+        }
+        MainLayer(file, layers);
+    }
     const AtomicFile probe(file);
 }
 
@@ -488,7 +505,11 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
     if (kind == FileKind::Exr) {
         image = EncodeExr(layers, options.metadata.workingSpace);
     } else {
-        const ImageLayer& layer = MainLayer(file, layers);
+        std::vector<LayerKind> kinds;
+        for (const ImageLayer& one : layers) {
+            kinds.push_back({one.name, one.channels.size(), one.isInteger});
+        }
+        const ImageLayer& layer = layers[MainLayer(file, kinds)];
         for (const ImageLayer& other : layers) {
             if (&other != &layer) {
                 left.push_back(other.name);

@@ -46,10 +46,11 @@ struct ImageWriteOptions {
     ImageMetadata metadata;
 };
 
-/// Fails early, before hours of rendering: checks that the extension is known and that the folder
-/// takes new files.
-/// \throws Error that names the file: Usage for an unknown extension, else Failure
-void CheckImageFile(const std::string& file);
+/// Fails early, before hours of rendering: checks that the extension is known, that the format can
+/// hold what it would keep of the AOVs, where they are known, and that the folder takes new files.
+/// \throws Error that names the file: Usage for an unknown extension or AOVs that are none for it,
+///         else Failure
+void CheckImageFile(const std::string& file, const std::vector<std::string>& aovs = {});
 
 /// Writes layers of one size.
 ///  .exr        all layers, linear float, ids as 32-bit unsigned integers (-1 is 4294967295):
@@ -60,6 +61,7 @@ void CheckImageFile(const std::string& file);
 ///  .jpg .jpeg  that layer display-referred, 8 bits, over black
 ///  .tif .tiff  that layer in linear float, premultiplied
 ///  .hdr        that layer in linear float, without alpha
+/// Ids are for .exr alone, layers of two channels for .exr and .tif.
 /// \return names of the layers that the format has no room for
 /// \throws Error that names the file and the reason; nothing is left behind and an existing file is
 ///         kept

@@ -105,8 +105,8 @@ void BindWriting(nb::module_& module) {
 
     module.def("MakeImageMetadata", &MakeImageMetadata, "settings"_a, "camera"_a,
                "Samples, camera, matrices and windows of a render.");
-    module.def("CheckImageFile", &CheckImageFile, "file"_a,
-               "Raises Error unless an image can be written to the file.");
+    module.def("CheckImageFile", &CheckImageFile, "file"_a, "aovs"_a = std::vector<std::string>(),
+               "Raises Error unless an image, of those AOVs, can be written to the file.");
     module.def(
         "WriteImage",
         [](const std::string& file, const std::vector<ImageLayer>& layers,

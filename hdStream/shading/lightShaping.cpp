@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace hds {
 
@@ -41,6 +42,16 @@ void Write(const glm::dvec3& v, float* out) {
     }
 }
 
+/// Degrees, finite.
+double ConeAngleOf(const LightShaping& shaping) {
+    return std::clamp(shaping.coneAngle, 0.0F, std::numeric_limits<float>::max());
+}
+
+/// The part of a cone over which it dims. No number: none.
+double SoftnessOf(const LightShaping& shaping) {
+    return shaping.coneSoftness > 0.0F ? std::min(double(shaping.coneSoftness), 1.0) : 0.0;
+}
+
 /// What the luminance of focus reaches at most: at the axis it is white.
 double FocusPeak(const LightShaping& shaping) {
     const auto& tint = shaping.focusTint;
@@ -69,11 +80,10 @@ void AppendProfile(const IesProfile& profile, bool isNormalized, shared::HdsLigh
 bool IsUnshaped(const LightDescription& light) {
     const LightShaping& shaping = light.shaping;
     // A flat light shines within 90 degrees of its axis anyway.
-    const float whole = IsFlat(light.type) ? 90.0F : 180.0F;
+    const double whole = IsFlat(light.type) ? 90.0 : 180.0;
     return light.type == LightType::Dome ||
            (!(shaping.focus > 0.0F) && shaping.iesFile.authoredPath.empty() &&
-            shaping.coneAngle >= whole &&
-            (!(shaping.coneSoftness > 0.0F) || shaping.coneAngle > 2.0F * whole));
+            (1.0 - SoftnessOf(shaping)) * ConeAngleOf(shaping) >= whole);
 }
 
 shared::HdsLightShaping AppendShaping(const LightDescription& light,
@@ -85,10 +95,9 @@ shared::HdsLightShaping AppendShaping(const LightDescription& light,
     Write(frame[0], record.axis);
     Write(frame[1], record.side);
     Write(frame[2], record.up);
-    const double cutoff = std::max(double(shaping.coneAngle), 0.0) * kRadians;
-    const double softness = std::clamp(double(shaping.coneSoftness), 0.0, 1.0);
+    const double cutoff = ConeAngleOf(shaping) * kRadians;
     record.cutoff = float(cutoff);
-    record.smoothStart = float(cutoff * (1.0 - softness));
+    record.smoothStart = float(cutoff * (1.0 - SoftnessOf(shaping)));
     record.focus = LightFactor(shaping.focus);
     std::transform(shaping.focusTint.begin(), shaping.focusTint.end(), record.focusTint,
                    LightFactor);

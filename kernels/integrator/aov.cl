@@ -30,7 +30,7 @@ float2 aov_depths(constant const HdsFrameParams* frame, float3 position) {
     float n = frame->nearClip;
     float f = frame->farClip;
     float clip = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? (z - n) / (f - n)
-                                                               : f * (z - n) / (z * (f - n));
+                                                               : (z - n) / (z * (1.0f - n / f));
     return (float2)(z, clip);
 }
 
@@ -102,8 +102,14 @@ float2 aov_motion(constant const HdsFrameParams* frame, const HdsSceneView* scen
     const bool isEmpty = !(to > from);
     from = isEmpty ? 0.0f : from;
     to = isEmpty ? 1.0f : to;
-    return (aov_raster(frame, scene, hit, to) - aov_raster(frame, scene, hit, from)) /
-           ((to - from) * shutterFrames);
+    float2 way = aov_raster(frame, scene, hit, to) - aov_raster(frame, scene, hit, from);
+#if HDS_FEATURE_CAMERA_LENS
+    if (frame->projection == HDS_PROJECTION_LATLONG) { /* the short way round */
+        const float turn = HDS_TWO_PI / frame->filmStep[0];
+        way.x -= turn * rint(way.x / turn);
+    }
+#endif
+    return way / ((to - from) * shutterFrames);
 }
 #endif
 

@@ -211,7 +211,7 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
         (float2)((float)pixel_column(frame, pixel) + 0.5f, (float)pixel_row(frame, pixel) + 0.5f);
     const HdsTransform pose = camera_pose(frame, frame->frameTime);
     const HdsLens lens = camera_lens(frame, frame->frameTime);
-    const HdsCameraRay ray = camera_generate(frame, &pose, &lens, raster, (float2)(0.5f));
+    const HdsCameraRay ray = camera_generate(frame, &pose, &lens, raster, (float2)(0.0f));
     const uint slot = generate_slot(queue, queueFirst + item, i);
     generate_start(paths, slot, i, frame, ray, frame->frameTime, pixel, 0u);
     generate_findMedia(frame, paths, slot);

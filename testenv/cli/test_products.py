@@ -8,7 +8,7 @@ import pytest
 
 from hdstream import _core
 
-from cliCase import ANIMATED, SCENE, AssertFails, Run, RunHere, WriteStage
+from cliCase import ANIMATED, SCENE, SMALL, AssertFails, Run, RunHere, WriteStage
 
 _PRODUCTS = """
 def Camera "side_cam" {
@@ -209,6 +209,21 @@ def test_resume_knows_every_file(stage, tmp_path):
     assert (tmp_path / "deep.0001.exr").exists()
 
 
+def test_resume_knows_the_colours_of_every_file(tmp_path, monkeypatch):
+    """A .png that is the second file of its picture."""
+    monkeypatch.chdir(tmp_path)
+    stage = WriteStage(tmp_path, _BRIGHT + 'def RenderSettings "S" { rel products = [</A>, </B>] }\n'
+                       'def RenderProduct "A" { token productName = "a.exr" }\ndef RenderProduct "B" { token productName = "b.png" }\n')
+    arguments = ["record", stage, "-rs", "/S", "-w", "24", "--maxDepth", "2", "--samples", "4", "-color"]
+    assert RunHere(*arguments, "disabled").code == 0
+    linear = (tmp_path / "b.png").read_bytes()
+    assert RunHere(*arguments, "sRGB", "--resume").code == 0
+    assert (tmp_path / "b.png").read_bytes() != linear
+    assert "is there already" in RunHere(*arguments, "sRGB", "--resume").out
+    result = RunHere(*arguments, "disabled", "--resume")
+    assert result.code == 0 and "is there already" not in result.out and (tmp_path / "b.png").read_bytes() == linear
+
+
 @pytest.mark.parametrize("was, edited", [
     ('OpenEXR:compression = "zip"', 'OpenEXR:compression = "rle"'), ('dataType = "color4h"', 'dataType = "color4f"'),
     ('aov:name = "Z"', 'aov:name = "depth"'), ('OpenEXR:shot = "a"', 'OpenEXR:shot = "b"'), ('tileSize = 8', 'tileSize = 16')])
@@ -237,6 +252,9 @@ def test_resume_knows_what_products_say_of_their_files(was, edited, tmp_path, mo
     ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" { token productName = "a.exr"\n'
      'rel orderedVars = </V> }\ndef RenderVar "V" { string sourceName = "CXL"\ntoken sourceType = "lpe" }\n',
      ("/V", "'CXL', column 2: 'X' is no event")),
+    ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" { token productName = "a.png"\n'
+     'rel orderedVars = </V> }\ndef RenderVar "V" { string sourceName = "motionForward" }\n',
+     ("a.png", "two channels ('motionForward') can only be stored in an .exr or .tif file")),
 ])
 def test_what_cannot_be_written_is_said(body, words, tmp_path):
     stage = WriteStage(tmp_path, ANIMATED + body)
@@ -253,6 +271,30 @@ def test_a_placeholder_has_no_number_at_the_default_time(tmp_path):
     stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = </P> }\n'
                                             'def RenderProduct "P" { token productName = "a.####.exr" }\n')
     AssertFails(Run("record", stage, "-rs", "/S", "--defaultTime"), 2, "/P: productName a.####.exr: ", "--defaultTime")
+
+
+@pytest.mark.parametrize("compression", ["dwaa", "pxr24", "b44"])
+def test_cryptomattes_keep_their_bits(compression, tmp_path, monkeypatch):
+    """Whatever the type of their var and the compression of their product, which then holds for what it can."""
+    monkeypatch.chdir(tmp_path)
+    body = """def RenderSettings "S" { rel products = [</A>, </B>] }
+def RenderProduct "A" { token productName = "a.exr"
+    rel orderedVars = [</Crypto>] }
+def RenderProduct "B" { token productName = "b.exr"
+    custom string driver:parameters:OpenEXR:compression = "%s"
+    rel orderedVars = [</Half>] }
+def RenderVar "Crypto" { string sourceName = "crypto_object" }
+def RenderVar "Half" { string sourceName = "crypto_object"
+    token dataType = "color4h" }
+""" % compression
+    result = RunHere("record", WriteStage(tmp_path, ANIMATED + body), "-rs", "/S", *SMALL)
+    assert result.code == 0, result.text
+    _, floats = exrFile.Read("a.exr")
+    _, found = exrFile.Read("b.exr")
+    assert floats.keys() == found.keys() and all(_SameBits(floats[name], found[name]) for name in floats)
+    assert any(channel.any() for channel in floats.values())
+    assert "/Half: ids of a Cryptomatte are 32 bits" in result.text
+    assert ("would change the ids of its Cryptomattes; zip is used" in result.text) == (compression != "b44")
 
 
 def test_vars_are_not_chosen_twice(tmp_path):

@@ -49,6 +49,8 @@ from cliCase import SCENE, SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--width", "64", "--sample=8"], "--width 64 --sample=8; did you mean --imageWidth, --samples?"),
     (["info", "a.usda", "--jso", "b"], "hdstream info: unrecognized arguments: --jso b; did you mean --json?"),
     (["record", "a.usda", "b.gif"], "b.gif"),
+    (["record", "a.usda", "b.png", "--aovs", "motionForward,depth"], "two channels ('motionForward') can only be stored"),
+    (["record", "a.usda", "b.jpg", "--aovs", "primId"], "ids ('primId') can only be stored in an .exr file"),
     (["record", "a.usda", "noExtension"], "noExtension"),
     (["compare", "a.exr"], "B"),
     (["compare", "a.exr", "b.exr", "--threshold", "x"], "--threshold"),

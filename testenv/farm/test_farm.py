@@ -15,8 +15,9 @@ import pytest
 from cliCase import ANIMATED, SECONDS, AssertFails, Command, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
 from farmCluster import Cluster
-from hdstream import _core
-from hdstream.farm import CommandError, _CheckWorkers
+from hdstream import _core, farmWork
+from hdstream.farm import CommandError, _CheckWorkers, _Farm
+from hdstream.frameJob import Frame, Job, ProgramOf
 
 
 @pytest.fixture(scope="module", name="farm")
@@ -191,29 +192,99 @@ def test_bad_options(options, part, case, tmp_path):
     AssertFails(RunHere("record", case[0], tmp_path / "o.exr", *options), 2, part)
 
 
-def CheckAnswers(answers, warn):
-    """What is made of workers' answers at the start of a job."""
-    client = SimpleNamespace(wait_for_workers=lambda *_, **__: None, run=lambda *_, **__: answers)
-    return _CheckWorkers(client, SimpleNamespace(settings={}), SimpleNamespace(workers=None, scheduler="x"), warn)
+class FakeClient:
+    """Of workers that answer so."""
+
+    def __init__(self, answers=None):
+        self._answers = answers
+
+    def wait_for_workers(self, *_, **__):
+        pass
+
+    def run(self, *_, **__):
+        return self._answers
+
+    def subscribe_topic(self, *_):
+        pass
+
+
+def AnswerOf(device, program=None):
+    program = program or ProgramOf()
+    return {"version": program[0], "program": program, "device": device}
+
+
+def CheckAnswers(answers):
+    return _CheckWorkers(FakeClient(answers), Job("", program=ProgramOf()), SimpleNamespace(workers=None, scheduler="x"))
+
+
+def MakeFarmOf(devices, warn):
+    return _Farm(FakeClient(), None, Job("", program=ProgramOf()), None, 2, devices, None, warn, {"f": "f"})
+
+
+def ResultOf(device, program=None):
+    return {"origins": [{"worker": "tcp://b", "program": program or ProgramOf(), "device": device}]}
 
 
 def test_different_devices_are_said():
-    """Devices round differently (docs/farm.md); this machine has one, so the workers' answers are made up."""
-    answers = {"a": {"version": _core.VERSION, "device": "One"}, "b": {"version": _core.VERSION, "device": "Two"}}
+    """Also of workers that join while the job runs; once each."""
     lines = []
-    assert CheckAnswers(answers, lines.append) == 2
+    assert CheckAnswers({"a": AnswerOf("One"), "b": AnswerOf("Two")}) == (2, {"One", "Two"})
+    MakeFarmOf({"One", "Two"}, lines.append)
     assert len(lines) == 1 and "One, Two" in lines[0]
-    answers["b"]["version"] = "0.0"
-    with pytest.raises(CommandError, match="0.0"):
-        CheckAnswers(answers, lines.append)
+    late = MakeFarmOf({"One"}, FlushedList(lines))
+    for device in ("One", "Two", "Two"):
+        late._Check(Frame(1.0, "f"), ResultOf(device))
+    assert len(lines) == 2 and "One, Two" in lines[1]
+
+
+class FlushedList:
+    """What _Farm warns with."""
+
+    def __init__(self, lines):
+        self._lines = lines
+
+    def __call__(self, line):
+        self._lines.append(line)
+
+    def Flush(self):
+        pass
+
+
+@pytest.mark.parametrize("program, words", [(("0.0", ProgramOf()[1]), "has hdstream 0.0, this is"), ((_core.VERSION, "x"), "has other kernels")])
+def test_other_programs_are_refused_whenever_they_join(program, words, monkeypatch):
+    with pytest.raises(CommandError, match=f"worker b: {words}"):
+        CheckAnswers({"a": AnswerOf("One"), "b": AnswerOf("Two", program)})
+    with pytest.raises(CommandError, match=f"worker tcp://b: {words}"):  # one that is too old to refuse
+        MakeFarmOf({"One"}, FlushedList([]))._Check(Frame(1.0, "f"), ResultOf("One", program))
+    with pytest.raises(CommandError, match="another hdstream"):  # too old to say
+        MakeFarmOf({"One"}, FlushedList([]))._Check(Frame(1.0, "f"), {"isThere": True})
+    for part in (ResultOf("One", program), {}):  # nor are its parts joined
+        for Join in (farmWork.JoinTiles, lambda *arguments: farmWork.JoinBlocks(*arguments[:3], 0, arguments[3])):
+            result = Join("job", Job("none.usda", program=ProgramOf()), Frame(1.0, "none.exr"), [ResultOf("One"), part])
+            assert result["error"].startswith("worker ") and not result["isUsage"]
+    # The worker itself, before it writes anything.
+    monkeypatch.setattr(farmWork, "_Worker", lambda: SimpleNamespace(address="tcp://b"))
+    monkeypatch.setattr(farmWork, "ProgramOf", lambda: program)
+    result = farmWork.RenderFrame("job", Job("none.usda", program=ProgramOf()), Frame(1.0, "none.exr"))
+    assert result["error"].startswith(f"worker tcp://b: {words}") and not result["isUsage"]
+
+
+def test_a_worker_without_hdstream_that_joins_is_a_line():
+    def Raise():
+        raise ModuleNotFoundError("No module named 'hdstream'")
+
+    farm = MakeFarmOf({"One"}, FlushedList([]))
+    farm._distributed = SimpleNamespace(KilledWorker=KeyError, CancelledError=KeyError)
+    with pytest.raises(CommandError, match="a worker has no hdstream"):
+        farm._ResultOf(SimpleNamespace(result=Raise))
 
 
 def test_a_worker_that_dies_while_it_is_asked_is_left_out():
     from distributed.comm.core import CommClosedError
     dead = CommClosedError("in <TCP (closed) Scheduler Broadcast>: Stream is closed")
-    assert CheckAnswers({"a": {"version": _core.VERSION, "device": "One"}, "b": dead}, pytest.fail) == 1
+    assert CheckAnswers({"a": AnswerOf("One"), "b": dead}) == (1, {"One"})
     with pytest.raises(CommandError, match="no workers"):
-        CheckAnswers({"b": dead}, pytest.fail)
+        CheckAnswers({"b": dead})
 
 
 def test_without_distributed(case, tmp_path, monkeypatch):

@@ -213,6 +213,33 @@ def test_other_formats_keep_their_key_beside_them(stage, tmp_path):
     assert "is there already" not in RunHere("record", stage, output, *options, "-color", "disabled").out
 
 
+def test_a_picture_that_could_not_be_written_is_not_there(stage, tmp_path, monkeypatch):
+    """Whatever ends the write, and though an old picture is there; the samples of the new one are kept."""
+    import json
+    from hdstream import _core, image
+    output, whole, stats = tmp_path / "o.png", tmp_path / "whole.png", tmp_path / "s.json"
+    text = stage.read_text()
+    stage.write_text(text.replace("intensity = 1", "intensity = 10000"))  # what 8 bits show
+    Record(stage, output, 4)
+    stage.write_text(text.replace("intensity = 1", "intensity = 20000"))
+    assert RunHere("record", stage, whole, *OPTIONS, "--samples", 4).code == 0
+    assert output.read_bytes() != whole.read_bytes(), "the test would show little"
+
+    def Fail(*_):
+        raise _core.Error("cannot write: No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(image.Image, "Write", Fail)
+        assert RunHere("record", stage, output, *RESUME, "--samples", 4).code == 1
+    result = Record(stage, output, 4, "--stats", stats)
+    assert not IsThere(result) and output.read_bytes() == whole.read_bytes()
+    assert json.loads(stats.read_text())["rays"]["camera"] == 0, "the samples were there"
+    assert IsThere(Record(stage, output, 4))
+    output.write_bytes((tmp_path / "o.png").read_bytes() + b"\0")
+    assert not IsThere(Record(stage, output, 4)), "somebody else's file is none"
+    assert output.read_bytes() == whole.read_bytes()
+
+
 def test_damaged_sums_are_none(tmp_path):
     """Of a valid sidecar: cut anywhere, any byte of its index changed, or another kind of file; never an exception, never
     other words."""

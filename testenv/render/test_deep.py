@@ -12,6 +12,7 @@ import exrFile
 import numpy as np
 import pytest
 import volumeCase
+from pxr import Sdf, UsdGeom
 
 pytest.importorskip("hdstream._core")
 
@@ -343,6 +344,29 @@ def test_a_cloud_between_cards_is_where_it_scatters(tmp_path):
     assert isFront.any() and isBack.any() and len(inside) > 250
     assert (inside[:, 0] > 9.5 - 0.05).all() and (inside[:, 1] < 10.5 + 0.05).all()  # the grid and half a voxel
     assert inside[:, 0].min() < 9.6 and inside[:, 1].max() > 10.4
+
+
+@pytest.mark.parametrize("projection", ["latlong", "fisheyeEquidistant"])
+def test_panoramas_have_distances(projection, tmp_path):
+    """Balls about the camera, half transparent and opaque: in all directions at their radius, the nearer one first."""
+    stage = author.NewStage(str(tmp_path / "balls.usda"))
+    veil = author.AddMaterial(stage, "/Looks/Veil", opacity=0.5, ior=1.0)
+    for name, radius, material in (("Near", 2.0, veil), ("Far", 5.0, None)):
+        ball = UsdGeom.Sphere.Define(stage, f"/World/{name}")
+        ball.CreateRadiusAttr(radius)
+        if material is not None:
+            author.Bind(ball, material)
+    author.AddLight(stage, "/World/Lamp", "Sphere", dict(translate=(1, 1, 1)), radius=0.2)
+    camera = author.AddCamera(stage, eye=(0, 0, 0), target=(1, 0.5, 2), width=36.0, aspect=1.0).GetPrim()
+    camera.CreateAttribute("hdstream:camera:projection", Sdf.ValueTypeNames.Token).Set(projection)
+    camera.CreateAttribute("hdstream:camera:fieldOfView", Sdf.ValueTypeNames.Float).Set(320.0)
+    stage.GetRootLayer().Save()
+    deep = hdstream.Renderer(stage.GetRootLayer().realPath).Render(
+        imageWidth=_SIZE, imageHeight=_SIZE, samples=16, maxDepth=1, noCache=True, camera="/World/Camera", deep=True, lightsVisible=False).deep
+    starts = deepFile.Starts(deep.counts)
+    assert (deep.counts == 2).sum() > 300
+    for pixel in np.flatnonzero(deep.counts.ravel() == 2):
+        assert np.allclose(deep.samples[starts[pixel]:starts[pixel] + 2, 0], (2.0, 5.0), rtol=0.02)
 
 
 def test_shadow_catchers_are_said_not_to_be_there(tmp_path):

@@ -62,6 +62,17 @@ def test_portals_change_the_noise_alone(image, tmp_path):
     assert errors["exact"] < 0.3 * errors["none"]
 
 
+def test_portals_far_away_keep_the_sky(tmp_path):
+    """A portal that a point sees almost nothing of changes nothing of its light."""
+    for distance in (1e3, 1e4, 1e5, 1e6):
+        stage = _Plate(f"{tmp_path}/{distance:g}.usda")
+        dome = author.AddLight(stage, "/World/Sky", "Dome")
+        author.Place(UsdLux.PortalLight.Define(stage, "/World/Portal"), translate=(0.48 * distance, 0.6 * distance, 0.64 * distance), rotate=_DOWN)
+        dome.CreatePortalsRel().AddTarget("/World/Portal")
+        picture = _Render(stage, samples=64)
+        assert picture.rgb.mean((0, 1)) == pytest.approx(ALBEDO, rel=0.01), f"{distance:g}"
+
+
 def _Noise(folder, sun, hasPortal):
     """Relative RMS difference of two pictures by a sky with a sun, through the window; and their mean."""
     stage = _Window(f"{folder}/{sun[0]}{hasPortal}.usda")

@@ -112,6 +112,35 @@ def test_parts_of_a_panorama_are_its_pixels():
     assert np.abs(quarter - positions[HEIGHT // 2:, WIDTH // 2:]).max() < 1e-4
 
 
+@pytest.mark.parametrize("projection", ["film", "fisheyeEquisolid"])
+def test_first_hits_are_seen_through_the_centre_of_any_aperture(projection):
+    """Far out of focus: AOVs of the first hit are those of a round lens, to the bit, and of a pinhole but for rounding."""
+    aovs = ["position", "normal", "primId", "cameraDepth"]
+
+    def Layers(fStop, **attributes):
+        stage, camera = Room({"hdstream:camera:projection": projection, **attributes})
+        camera.CreateFStopAttr(fStop)
+        camera.CreateFocusDistanceAttr(0.5)
+        return Render(stage, samples=1, aovs=aovs).aovs
+
+    pinhole, round_ = Layers(0.0), Layers(1.0)
+    seen = pinhole["primId"] >= 0
+    assert np.abs(round_["position"] - pinhole["position"])[seen].max() < 1e-3
+    for blades, ratio in ((5, 1.0), (6, 1.0), (5, 2.0)):
+        found = Layers(1.0, **{"hdstream:camera:apertureBlades": blades, "hdstream:camera:apertureRatio": ratio})
+        assert all(found[name].tobytes() == round_[name].tobytes() for name in aovs)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e30, 3e38, math.inf])
+def test_depth_for_any_far_plane(far):
+    """Of [0, 1], as OpenGL has it: what is nearly no far plane is as good as none."""
+    stage, camera = Room()
+    camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, far))
+    aovs = Render(stage, samples=1, aovs=["depth", "cameraDepth"]).aovs
+    z = aovs["cameraDepth"].astype(np.float64)
+    np.testing.assert_allclose(aovs["depth"], (z - 0.1) / z / (1.0 - 0.1 / far), atol=1e-6)
+
+
 def _DiskCovered(x):
     """The part of a unit disk to the left of x."""
     x = np.clip(x, -1.0, 1.0)

@@ -58,6 +58,11 @@ SHAPED = {
     "rectFocus": ("Rect", dict(translate=(0.4, 2, 0), rotate=(-75, 20, 0)), dict(width=1.2, height=0.6), dict(focus=8.0)),
     "diskSoft": ("Disk", dict(translate=(0.4, 2, 0), rotate=(-85, -10, 0), scale=2.0), dict(radius=0.3),
                  dict(coneAngle=60.0, coneSoftness=1.0, focus=1.0)),
+    # Cones that reach beyond all that a light emits dim from less on than that.
+    "rectWideSoft": ("Rect", dict(translate=(0.4, 1.5, 0), rotate=(-75, 20, 0)), dict(width=1.2, height=0.6),
+                     dict(coneAngle=181.0, coneSoftness=1.0)),
+    "sphereWideSoft": ("Sphere", dict(translate=(0.3, 1.5, 0.2), rotate=(80, 15, 0)), dict(radius=0.2),
+                       dict(coneAngle=400.0, coneSoftness=0.9)),
     "cylinderFocus": ("Cylinder", dict(translate=(0, 1.6, 0), rotate=(-70, 0, 20)), dict(radius=0.15, length=1.5),
                       dict(focus=3.0, coneAngle=100.0)),
     "distantFocus": ("Distant", dict(rotate=(-60, 30, 0)), dict(angle=40.0), dict(focus=30.0, focusTint=(0.5, 0, 0))),
@@ -139,6 +144,38 @@ def test_shaped_light_on_plate(name, tmp_path):
     expected = _Expected(stage, kind, inputs, shaping)
     assert picture.rgb.mean((0, 1)) == pytest.approx(expected.mean((0, 1)), rel=4e-3)
     np.testing.assert_allclose(_Blocks(picture.rgb), _Blocks(expected), atol=0.015 * expected.max())
+
+
+@pytest.mark.parametrize("image", [False, True], ids=["plain", "image"])
+def test_rects_far_away_are_points(image, tmp_path):
+    """Seen from aside, up to where float's rounding of their corners is far larger than what they subtend."""
+    inputs = dict(width=1.0, height=1.0, normalize=True)
+    if image:
+        imageFile.WriteExr(tmp_path / "white.exr", {name: np.ones((4, 4)) for name in "RGB"})
+        inputs["textureFile"] = "./white.exr"
+    for exponent in range(2, 8):
+        distance = 10.0 ** exponent
+        stage = _Plate(f"{tmp_path}/{exponent}.usda", size=10.0)
+        author.AddLight(stage, "/World/Light", "Rect", dict(translate=(0.48 * distance, 0.6 * distance, 0.64 * distance), rotate=(-90, 0, 0)),
+                        intensity=distance * distance, **inputs)
+        picture = _Render(stage, samples=16, lightsVisible=False)
+        expected = 0.6 * 0.6 * ALBEDO / np.pi
+        assert picture.rgb.mean((0, 1)) == pytest.approx(np.full(3, expected), rel=3e-3), f"{distance:g}"
+        assert picture.rgb.max() < 1.2 * expected, f"{distance:g}"
+
+
+@pytest.mark.parametrize("radius, distance", [(1e-3, 10.0), (1e-6, 1.0), (1e-6, 10.0), (1e-4, 1e4), (1e-4, 1e6)])
+def test_wires_far_away_are_lines(radius, distance, tmp_path):
+    """A cylinder about the x axis, of whose radius the rounding of its distance leaves little or nothing."""
+    length = 100.0 * radius
+    stage = _Plate(f"{tmp_path}/a.usda")
+    for side, size in (("horizontal", 4.0), ("vertical", 3.0)):  # what is seen is small beside the distance
+        stage.GetPrimAtPath("/World/Camera").GetAttribute(f"{side}Aperture").Set(size * min(0.002 * distance, 1.0))
+    author.AddLight(stage, "/World/Light", "Cylinder", dict(translate=(0.48 * distance, 0.6 * distance, 0.64 * distance)), radius=radius,
+                    length=length, intensity=distance * distance / (2 * radius * length))
+    picture = _Render(stage, samples=64, lightsVisible=False)
+    expected = 0.6 * np.sqrt(1 - 0.48 ** 2) * ALBEDO / np.pi
+    assert picture.rgb.mean((0, 1)) == pytest.approx(np.full(3, expected), rel=2e-3)
 
 
 def test_shaped_light_seen(tmp_path):

@@ -97,3 +97,31 @@ def test_bits_are_those_of_any_pool(tmp_path):
     whole = _Render(tmp_path, pan=0.5, near=0.5, far=-0.5)
     streamed = _Render(tmp_path, pan=0.5, near=0.5, far=-0.5, residency="stream", geometryMemory="70%")
     assert all(pixels.tobytes() == streamed[name].tobytes() for name, pixels in whole.items())
+
+
+def test_vectors_go_round_a_panorama(tmp_path):
+    """A camera that turns steadily sees all that stands move by the same, also across the seam behind it."""
+    stage = tmp_path / "turning.usda"
+    stage.write_text("""#usda 1.0
+(
+    upAxis = "Y"
+)
+def Xform "World" {
+    def Camera "Camera" {
+        token hdstream:camera:projection = "latlong"
+        double shutter:open = -0.5
+        double shutter:close = 0.5
+        double xformOp:rotateY.timeSamples = { 0.5: -5, 1.5: 5 }
+        uniform token[] xformOpOrder = ["xformOp:rotateY"]
+    }
+    def DomeLight "Sky" {
+    }
+    def Cube "Room" {
+        double size = 10
+    }
+}
+""", encoding="utf-8")
+    image = hdstream.Renderer(str(stage)).Render(1.0, camera="/World/Camera", imageWidth=WIDTH, imageHeight=HEIGHT, samples=1, aovs=_AOVS, noCache=True)
+    for name, sign in (("motionForward", 1.0), ("motionBackward", -1.0)):
+        expected = np.broadcast_to([sign * WIDTH * 10.0 / 360.0, 0.0], (HEIGHT, WIDTH, 2))
+        np.testing.assert_allclose(image.aovs[name], expected, atol=5e-3)

@@ -191,7 +191,7 @@ def _AddRecordOptions(command):
 def _AddFarmOptions(group):
     group.add_argument("--resume", action="store_true",
                        help="leave frames that are there already, go on with those that have fewer samples, and keep "
-                            "what that takes beside the images (OUT.sums)")
+                            "what that takes beside the images (OUT.sums; OUT.done of what is no .exr)")
     group.add_argument("--snapshot", type=options.NotNegative, default=0.0, metavar="SECONDS",
                        help="every so many seconds write the picture as it is beside its file (OUT_part), and with --resume "
                             "what a later run goes on from")

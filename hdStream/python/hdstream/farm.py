@@ -16,6 +16,7 @@ import uuid
 from hdstream import _core, farmWork
 from hdstream.console import Say, SayError
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError, UsageError
+from hdstream.frameJob import ProgramOf
 from hdstream.progress import ProgressBar, WarningPrinter
 from hdstream.recordArguments import FramesOf, JobOf
 from hdstream.stage import OpenStage
@@ -43,6 +44,7 @@ def RunOnFarm(args, interruption):
         for output in frame.outputs:
             output.file = _Absolute(output.file)
     job.stage = _Absolute(job.stage)
+    job.program = ProgramOf()
     progress = ProgressBar(args.quiet)
     warn = WarningPrinter(progress, args.verbose)
     for warning in warnings:
@@ -50,8 +52,8 @@ def RunOnFarm(args, interruption):
     interruption.hasWork = True
     try:
         with warn, _Connect(args, distributed) as client:
-            numWorkers = _CheckWorkers(client, job, args, warn)
-            return _Run(_Farm(client, distributed, job, args, numWorkers, progress, warn, shown), frames, progress)
+            numWorkers, devices = _CheckWorkers(client, job, args)
+            return _Run(_Farm(client, distributed, job, args, numWorkers, devices, progress, warn, shown), frames, progress)
     except KeyboardInterrupt:
         progress.Clear()
         SayError("hdstream record: interrupted; frames that are done are whole, others are not written")
@@ -72,7 +74,7 @@ def _Run(farm, frames, progress):
 class _Farm:
     """A job on a cluster, from its first task to its last file."""
 
-    def __init__(self, client, distributed, job, args, numWorkers, progress, warn, shown):
+    def __init__(self, client, distributed, job, args, numWorkers, devices, progress, warn, shown):
         self._client = client
         self._distributed = distributed
         self._job = job
@@ -87,6 +89,7 @@ class _Farm:
         self._fractions = {}  # task -> share that is done
         self._numTasks = 0
         self._devices = set()
+        self._MeetDevices(devices)
         self._start = time.perf_counter()
         client.subscribe_topic(self._id, self._OnEvent)
 
@@ -162,6 +165,8 @@ class _Farm:
                                "look at their logs, they may lack memory") from None
         except (OSError, self._distributed.CancelledError):
             raise CommandError("the scheduler is gone") from None
+        except ImportError as error:  # it has joined after the workers were asked
+            raise CommandError(f"a worker has no hdstream ({type(error).__name__}: {error})") from None
         return result
 
     # --- Reports ---------------------------------------------------------------------------------
@@ -186,6 +191,23 @@ class _Farm:
         if "error" in result:
             kind = UsageError if result["isUsage"] else CommandError
             raise kind(f"{self._shown[frame.file]}: {result['error']}")
+        self._CheckOrigins(result)
+
+    def _CheckOrigins(self, result):
+        """Who did a task and its parts: workers may join while a job runs. One of this version has refused what is not for it."""
+        for origin in result.get("origins") or [{}]:
+            difference = farmWork.DifferenceOf(origin.get("program"), self._job.program)
+            if difference:
+                raise CommandError(f"worker {origin.get('worker', 'of a task')}: {difference}")
+        self._MeetDevices({origin["device"] for origin in result["origins"]})
+
+    def _MeetDevices(self, devices):
+        if devices <= self._devices:
+            return
+        self._devices |= devices
+        if len(self._devices) > 1:
+            self._warn(f"the workers have different devices ({', '.join(sorted(self._devices))}): equal to the bit is only what "
+                       "one model renders; --device NAME chooses")
 
     def _Report(self, frame, result):
         self._Check(frame, result)
@@ -287,8 +309,8 @@ def _CloseQuietly(thing):
         thing.close(timeout=_CONNECT_SECONDS)
 
 
-def _CheckWorkers(client, job, args, warn):
-    """All workers have this hdstream and a device. Returns how many there are."""
+def _CheckWorkers(client, job, args):
+    """All workers have this hdstream and a device. Returns how many there are, and the names of their devices."""
     with contextlib.suppress(TimeoutError):
         client.wait_for_workers(args.workers or 1, timeout=6 * _CONNECT_SECONDS if args.workers else _CONNECT_SECONDS)
     # By value: a worker without the module can still answer.
@@ -302,15 +324,13 @@ def _CheckWorkers(client, job, args, warn):
     for address, answer in sorted(answers.items()):
         if not isinstance(answer, dict):
             raise CommandError(f"worker {address}: has no hdstream ({type(answer).__name__}: {answer})")
-        if answer["version"] != _core.VERSION:
-            raise CommandError(f"worker {address}: has hdstream {answer['version']}, this is {_core.VERSION}")
+        difference = farmWork.DifferenceOf(answer.get("program", (answer["version"], "")), job.program)
+        if difference:
+            raise CommandError(f"worker {address}: {difference}")
         if "error" in answer:
             raise CommandError(f"worker {address}: {answer['error']}", EXIT_USAGE if job.settings.get("device") else 1)
         devices.add(answer["device"])
-    if len(devices) > 1:
-        warn(f"the workers have different devices ({', '.join(sorted(devices))}): equal to the bit is only what one "
-             "model renders; --device NAME chooses")
-    return len(answers)
+    return len(answers), devices
 
 
 def _Absolute(file):

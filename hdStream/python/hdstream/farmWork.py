@@ -12,7 +12,7 @@ import numpy as np
 
 from hdstream import _core, filmSums
 from hdstream.errors import EXIT_USAGE, CommandError
-from hdstream.frameJob import FrameWriter
+from hdstream.frameJob import FrameWriter, ProgramOf
 from hdstream.mattes import JoinHeaders
 
 BLOCK = _core.SAMPLE_BLOCK
@@ -24,10 +24,18 @@ _current = None   # (job's id, its FrameWriter, its warnings)
 
 def Describe(device):
     """What the client wants to know before it sends work. Never raises."""
+    program = {"version": _core.VERSION, "program": ProgramOf()}
     try:
-        return {"version": _core.VERSION, "device": _core.FindDevice(device).name}
+        return {**program, "device": _core.FindDevice(device).name}
     except _core.Error as error:
-        return {"version": _core.VERSION, "error": str(error)}
+        return {**program, "error": str(error)}
+
+
+def DifferenceOf(program, own):
+    """What keeps the work of a process with that ProgramOf out of the pictures of another; empty: nothing."""
+    if not program or program[0] != own[0]:
+        return f"has {f'hdstream {program[0]}' if program else 'another hdstream'}, this is {own[0]}"
+    return "" if tuple(program) == tuple(own) else "has other kernels than this process"
 
 
 def Stop(jobId):
@@ -96,9 +104,9 @@ def JoinBlocks(jobId, job, frame, firstSample, parts):
         image = writer.renderer.RenderPrepared(None, film)
         image.statistics["parts"] = [part["work"] for part in parts]
         writer.Finish(frame, image)
-        return _Summary(image)
+        return {**_Summary(image), "origins": _OriginsOf(parts)}
 
-    return _FirstBad(parts) or _Do(jobId, job, Work)
+    return _FirstBad(job, parts) or _Do(jobId, job, Work)
 
 
 def RenderTile(jobId, job, frame, crop, interval=1.0):
@@ -124,17 +132,27 @@ def JoinTiles(jobId, job, frame, parts):
         headers = JoinHeaders([part["headers"] for part in parts])
         image = writer.renderer.ImageOf(aovs, parts[0]["samples"], {"parts": [part["statistics"] for part in parts]}, headers)
         writer.Finish(frame, image)
-        return _Summary(image)
+        return {**_Summary(image), "origins": _OriginsOf(parts)}
 
-    return _FirstBad(parts) or _Do(jobId, job, Work)
+    return _FirstBad(job, parts) or _Do(jobId, job, Work)
 
 
 def _Summary(image):
     return {"samples": image.samples, "width": image.width, "height": image.height, "statistics": image.statistics}
 
 
-def _FirstBad(parts):
-    return next((part for part in parts if "error" in part or "isStopped" in part), None)
+def _FirstBad(job, parts):
+    """What keeps parts from being joined, as a result; None: nothing."""
+    bad = next((part for part in parts if "error" in part or "isStopped" in part), None)
+    for origin in _OriginsOf(parts) if bad is None and job.program else ():
+        difference = DifferenceOf(origin.get("program"), job.program)
+        if difference:  # a worker that is too old to refuse
+            return {"error": f"worker {origin.get('worker', 'of a part')}: {difference}", "isUsage": False}
+    return bad
+
+
+def _OriginsOf(parts):
+    return [origin for part in parts for origin in part.get("origins") or [{}]]
 
 
 def _Do(jobId, job, work):
@@ -143,6 +161,11 @@ def _Do(jobId, job, work):
     with _lock:
         if jobId in _stopped:
             return {"isStopped": True}
+        address = _Worker().address
+        program = ProgramOf()
+        difference = job.program and DifferenceOf(program, job.program)
+        if difference:  # it has joined after the client asked
+            return {"error": f"worker {address}: {difference}", "isUsage": False}
         try:
             writer, warnings = _WriterOf(jobId, job)
             result = work(writer)
@@ -150,8 +173,10 @@ def _Do(jobId, job, work):
             isUsage = isinstance(error, _core.UsageError) or getattr(error, "exitCode", None) == EXIT_USAGE
             return {"error": str(error), "isUsage": isUsage}
         _Tell(jobId, 1.0)
-        return {**result, "warnings": list(warnings),
-                "work": {"seconds": time.perf_counter() - start, "device": _core.FindDevice(job.settings.get("device", "")).name}}
+        device = _core.FindDevice(job.settings.get("device", "")).name
+        origin = {"worker": address, "program": program, "device": device}
+        return {**result, "warnings": list(warnings), "origins": [origin, *result.get("origins", ())],
+                "work": {"seconds": time.perf_counter() - start, "device": device}}
 
 
 def _WriterOf(jobId, job):
@@ -163,10 +188,14 @@ def _WriterOf(jobId, job):
     return _current[1], _current[2]
 
 
+def _Worker():
+    from distributed import get_worker
+    return get_worker()
+
+
 def _Tell(jobId, fraction):
     """The client hears which share of this task is done."""
-    from distributed import get_worker
-    worker = get_worker()
+    worker = _Worker()
     worker.log_event(jobId, {"task": str(worker.get_current_task()), "fraction": fraction})
 
 

@@ -10,9 +10,14 @@ from typing import Any, Dict, Optional, Tuple
 from hdstream import _core, filmSums
 from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
-from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
+from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, SamplesSaid, SayDone, TextsOf
 from hdstream.snapshots import PartFileOf, RemoveParts, Snapshots
 from hdstream.textFile import WriteText
+
+
+def ProgramOf():
+    """What two processes must have in common whose work goes into one picture: the version, and a hash of the kernels."""
+    return (_core.VERSION, _core.KernelSourceHash())
 
 
 @dataclasses.dataclass
@@ -27,6 +32,7 @@ class Job:
     colorCorrectionMode: str = ""
     resumes: bool = False
     snapshotSeconds: float = 0.0  # 0: none
+    program: Tuple[str, str] = ()  # ProgramOf where the job comes from; empty: not said
 
 
 @dataclasses.dataclass
@@ -54,8 +60,8 @@ class FrameWriter:
         self._Prepare(frame)
         if not self._job.resumes:
             return True
-        self._key = KeyOf(self.renderer, self._assetHashes, self._FileFormat(frame.file))
-        return any(self._SamplesOf(output, frame.file) < self.renderer.settings["samples"] for output in self._OutputsOf(frame))
+        self._key = KeyOf(self.renderer, self._assetHashes)
+        return any(self._SamplesOf(output) < self.renderer.settings["samples"] for output in self._OutputsOf(frame))
 
     def PrepareSamples(self, frame, samples):
         """For a render that ends after so many samples and whose sums alone are asked for."""
@@ -85,13 +91,16 @@ class FrameWriter:
         """Writes picture, sums and statistics; returns False for a picture without a whole sample, which is not written."""
         settings = self.renderer.settings
         done = settings["samples"] if image.isComplete else image.samples
-        self._SaveSums(frame, image)  # before the picture: one that is whole has its sums
+        self._SaveSums(frame, image)  # before the picture: where that cannot be written, they are not lost
         if image.samples == 0:
             return False
         outputs = self._OutputsOf(frame)
         for output in outputs:
-            texts = TextsOf(self._KeyOfFile(output), done) if self._job.resumes else {}
+            isExr = _IsExr(output.file)
+            texts = TextsOf(self._KeyOfFile(output), done) if self._job.resumes and isExr else {}
             left = self._Write(image, output, output.file, texts)
+            if self._job.resumes and not isExr:
+                SayDone(output.file, self._KeyOfFile(output), done)
             if left:
                 self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
         if self._job.snapshotSeconds > 0.0:
@@ -132,19 +141,18 @@ class FrameWriter:
         return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
 
     def _KeyOfFile(self, output):
-        """Of the header: the picture's key and what the file alone says, such as names of layers and their format."""
-        own = repr((self._key, output.layers, sorted(output.texts.items()), output.tileSize, output.isDeep))
+        """The picture's key and what the file alone says, such as names of layers and their format."""
+        own = repr((self._key, self._FileFormat(output.file), output.layers, sorted(output.texts.items()), output.tileSize,
+                    output.isDeep))
         return hashlib.blake2b(own.encode(), digest_size=16).hexdigest()
 
-    def _SamplesOf(self, output, mainFile):
-        """Samples of the picture that is there; 0: it is another one, or cannot be read to its end. Sums lie beside the main
-        file. Deep files have none, and are taken for whole where their header is there."""
+    def _SamplesOf(self, output):
+        """Samples of the picture that is there; 0: it is another one, or cannot be read to its end. Deep files are taken for
+        whole where their header is there."""
         file = output.file
-        if os.path.splitext(file)[1].lower() == ".exr":
-            samples = SamplesInFile(file, self._KeyOfFile(output))
-        else:
-            kept, _ = filmSums.Load(filmSums.FileOf(mainFile), self._key)
-            samples = kept.endSample if kept else 0
+        if not _IsExr(file):
+            return SamplesSaid(file, self._KeyOfFile(output))
+        samples = SamplesInFile(file, self._KeyOfFile(output))
         return samples if samples > 0 and (output.isDeep or not _core.CompareImages(file, file).error) else 0
 
     def StartOf(self, frame):
@@ -153,12 +161,16 @@ class FrameWriter:
         if not self._job.resumes or not _CanGoOn(settings):
             return ()
         kept, device = filmSums.Load(filmSums.FileOf(frame.file), self._key)
-        if kept is None or kept.endSample >= settings["samples"]:
-            return ()
+        if kept is None or kept.MostSamples() > settings["samples"]:
+            return ()  # where it has as many as are asked for, the picture is written of them
         own = _core.FindDevice(settings["device"]).name
         if device != own:
             self.renderer.Warn(frame.file, f"samples of {device} are continued on {own}: its bits are those of neither")
         return (kept,)
+
+
+def _IsExr(file):
+    return os.path.splitext(file)[1].lower() == ".exr"
 
 
 def _CanGoOn(settings):

@@ -16,6 +16,7 @@ _COMPRESSION = "driver:parameters:OpenEXR:compression"
 _DWA_LEVEL = "driver:parameters:OpenEXR:dwaCompressionLevel"
 _MOST_TILE = 65536
 _COMPRESSIONS = ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
+_CHANGES_FLOATS = ("pxr24", "dwaa", "dwab")  # b44 and b44a keep them
 _TILE_SIZE = "driver:parameters:OpenEXR:tileSize"  # ours
 _HEADER_PREFIX = "driver:parameters:OpenEXR:"
 # By what names OpenImageIO knows them; the latter is `comments` in the header.
@@ -66,6 +67,11 @@ class Picture:
         return outputs
 
 
+def IsMatte(aov):
+    """Whether an AOV, or a layer, is a Cryptomatte: its floats are bits of ids and no numbers."""
+    return aov.startswith("crypto_")
+
+
 def HasProducts(stage, path, session):
     """Whether the render settings at `path`, or the stage's own, have products."""
     settings = FindRenderSettings(stage, path, session)
@@ -94,7 +100,11 @@ def FindPictures(stage, path, session):
         layers = _LayersOf(stage, prim, session)
         if kind == "deepRaster":
             layers = _LayersOfDeep(layers, prim, session)
-        picture.outputs.append(Output("", layers, _TextsOf(prim, session), kind == "deepRaster", _TileSizeOf(prim, session)))
+        texts = _TextsOf(prim, session)
+        if any(IsMatte(layer.aov) for layer in layers) and texts.get("compression", "").startswith(_CHANGES_FLOATS):
+            session.Warn(str(prim.GetPath()), f"{_COMPRESSION} {texts['compression']!r} would change the ids of its Cryptomattes; zip is used")
+            texts["compression"] = "zip"
+        picture.outputs.append(Output("", layers, texts, kind == "deepRaster", _TileSizeOf(prim, session)))
     if not pictures:
         raise UsageError(f"OUT is missing, and {settings.GetPath()} has no products")
     return list(pictures.values())
@@ -154,6 +164,9 @@ def _LayersOf(stage, product, session):
             authored = var.GetName()  # the name that husk gives a layer; expressions are none to type
         kind = var.GetAttribute(_FORMAT_OF_VAR).Get() if var.GetAttribute(_FORMAT_OF_VAR) else var.GetAttribute("dataType").Get()
         isHalf = str(kind).startswith("half") or (str(kind).startswith("color") and str(kind).endswith("h"))
+        if isHalf and IsMatte(aov):
+            session.Warn(str(target), "ids of a Cryptomatte are 32 bits, which no half holds; its layers are written as floats")
+            isHalf = False
         for name in _core.LayersOf(aov):
             layer = Layer(name, str(authored) if authored and name == aov else name, isHalf)
             if layer.name in layers:

@@ -8,7 +8,7 @@ from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.errors import CommandError, UsageError
 from hdstream.frameJob import Frame, Job
-from hdstream.products import FindPictures, HasProducts
+from hdstream.products import FindPictures, HasProducts, Output
 from hdstream.renderSettings import SettingsPathOf
 from hdstream.stage import FrameOutputs, ParseFrames, StartTimeOf
 
@@ -40,7 +40,7 @@ def CheckArguments(args):
     if args.deep and args.aovs and args.aovs != ["color"]:
         raise UsageError("--deep: a deep file holds colour and depth alone, and no other --aovs")
     if args.output is not None and "#" not in args.output:
-        _core.CheckImageFile(args.output)
+        _core.CheckImageFile(args.output, list(args.aovs or ()))
     if args.stats:
         folder = os.path.dirname(args.stats) or "."
         if not os.path.isdir(folder) or os.path.isdir(args.stats) or not os.access(folder, os.W_OK):
@@ -59,11 +59,17 @@ def FramesOf(args, stage, warn):
     """The frames to render, their files checked. `warn(subject, text)` is called."""
     frames = _FramesOfOutput(args, stage) if args.output is not None else _FramesOfProducts(args, stage, warn)
     files = [file for frame in frames for file in [output.file for output in frame.outputs] or [frame.file]]
-    for file in files:
-        _core.CheckImageFile(file)
+    for frame in frames:
+        for output in frame.outputs or [Output(frame.file, None)]:
+            _core.CheckImageFile(output.file, list(args.aovs or ()) if output.layers is None else [_MainLayer(output.layers).aov])
     if args.stats:
         _CheckStatsFiles({frame.statsFile for frame in frames}, {"the picture": files, "the stage": [args.stage]})
     return frames
+
+
+def _MainLayer(layers):
+    """Which of a file's layers formats with room for one store."""
+    return next((layer for layer in layers if layer.name == "color"), layers[0])
 
 
 def FramesToPrepare(args, stage, warn):

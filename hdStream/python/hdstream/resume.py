@@ -2,8 +2,9 @@
 """`--resume`: which frames are there already, judged by what they were made of and never by dates of files.
 
 The key of a frame is a hash of the translated scene, of the bytes of the images, profiles and volumes it reads, of the
-settings that decide its bits, and of the program's version and kernels. It is in the sidecar with the frame's sums. The
-header of an .exr has it hashed together with what decides the bits of the file alone.
+settings that decide its bits, and of the program's version and kernels. It is in the sidecar with the frame's sums. Hashed
+together with what decides the bits of a file alone it says that the file is finished: in the header of an .exr, and beside
+a file of another format, with a hash of that file's bytes.
 """
 
 import glob
@@ -14,11 +15,13 @@ import os
 from pxr import Ar
 
 from hdstream import _core
+from hdstream.textFile import WriteText
 from hdstream.translate.exrHeader import ReadTexts
 
 KEY_NAME = "hdStream:key"
 SAMPLES_NAME = "hdStream:samplesDone"
 _PIECE = 1 << 20
+_MISSING = "missing"  # for a hash
 
 
 class AssetHashes:
@@ -45,14 +48,14 @@ def _PartsOf(file):
 
 def _HashOf(file):
     if not os.path.isfile(file):  # pipes and devices need have no end
-        return "missing"
+        return _MISSING
     digest = hashlib.blake2b(digest_size=16)
     try:
         with open(file, "rb") as stream:
             while piece := stream.read(_PIECE):
                 digest.update(piece)
     except OSError:
-        return "missing"
+        return _MISSING
     return digest.hexdigest()
 
 
@@ -62,12 +65,12 @@ def _WithoutBits():
     return {"samples", *(info.name for info in _core.SettingTable() if info.group in groups)}
 
 
-def KeyOf(renderer, assetHashes, further=""):
-    """The key of the frame that is prepared. `further`: what else the file depends on."""
+def KeyOf(renderer, assetHashes):
+    """The key of the frame that is prepared."""
     withoutBits = _WithoutBits()
     values = {name: value for name, value in renderer.settings.items() if name not in withoutBits}
     digest = hashlib.blake2b(digest_size=16)
-    for text in (_core.VERSION, _core.KernelSourceHash(), renderer.SceneText(), json.dumps(values, sort_keys=True), further):
+    for text in (_core.VERSION, _core.KernelSourceHash(), renderer.SceneText(), json.dumps(values, sort_keys=True)):
         digest.update(text.encode() + b"\0")
     for file in renderer.AssetFiles():
         digest.update(f"{file}\0{assetHashes.Of(file)}\0".encode())
@@ -89,3 +92,24 @@ def TextsOf(key, samples):
     """What the header of a finished frame says."""
     return {KEY_NAME: key, SAMPLES_NAME: str(samples)}
 
+
+def DoneFileOf(file):
+    """Where it is said of a file that has no header for it that it is finished."""
+    return f"{file}.done"
+
+
+def SayDone(file, key, samples):
+    """Of a file that has just been written. What a process that dies leaves of it says nothing."""
+    WriteText("--resume", DoneFileOf(file), json.dumps({"key": key, "samples": samples, "bytes": _HashOf(file)}) + "\n")
+
+
+def SamplesSaid(file, key):
+    """Samples that the file of that key was asked for; 0: nothing is said of it, or it is not what was written."""
+    try:
+        with open(DoneFileOf(file), encoding="utf-8") as stream:
+            said = json.load(stream)
+        if said["key"] == key and said["bytes"] == _HashOf(file) != _MISSING:
+            return int(said["samples"])
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    return 0

@@ -22,7 +22,8 @@ kernel void rays(constant const HdsFrameParams* frame, global const float* in, g
     global const float* one = in + 5 * i;
     const HdsTransform pose = camera_pose(frame, one[4]);
     const HdsLens lens = camera_lens(frame, one[4]);
-    const HdsCameraRay ray = camera_generate(frame, &pose, &lens, vload2(0, one), vload2(1, one));
+    const float2 point = camera_aperture(frame, vload2(1, one));
+    const HdsCameraRay ray = camera_generate(frame, &pose, &lens, vload2(0, one), point);
     vstore3(ray.origin, 0, out + 10 * i);
     vstore3(ray.direction, 1, out + 10 * i);
     out[10 * i + 6] = ray.tMin;

@@ -119,7 +119,8 @@ void rays(const HdsTestContext* context, const Real* in, Real* out) {
     const HdsTransform pose = camera_pose(frame, 0.0f);
     const HdsLens lens = camera_lens(frame, 0.0f);
     out = putRay(out, generate_ray(frame, &pose, &lens, pixel, sampler, context->table));
-    out = putRay(out, camera_generate(frame, &pose, &lens, take2(in + 2), take2(in + 4)));
+    out = putRay(out, camera_generate(frame, &pose, &lens, take2(in + 2),
+                                 camera_aperture(frame, take2(in + 4))));
 }
 #define HDS_TEST_FIELDS_Frame(R1, R2, R3, U) R3(x) R3(y) R3(z)
 HDS_TEST_STRUCT(Frame)

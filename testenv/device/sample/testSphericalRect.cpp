@@ -91,5 +91,44 @@ TEST_F(SphericalRectTest, SamplesAreUniformInSolidAngle) {
     EXPECT_LT(worstY, 1e-3);
 }
 
+TEST_F(SphericalRectTest, SmallRectsAreNeverTakenForLargeOnes) {
+    constexpr std::size_t kCount = 1000000;
+    std::mt19937 generator(22);
+    std::uniform_real_distribution<double> uniform;
+    std::vector<float> rects;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        // Seen from 10^-3 to 10^8 of their larger side, from above to all but along them.
+        const double ratio = std::pow(10.0, 11.0 * uniform(generator) - 3.0);
+        const double height = std::pow(10.0, -4.0 * uniform(generator));
+        const double turn = 6.2831853 * uniform(generator);
+        const double rise = std::pow(10.0, -6.0 * uniform(generator));
+        const double x = ratio * std::cos(turn) * std::sqrt(1.0 - rise * rise);
+        const double y = ratio * std::sin(turn) * std::sqrt(1.0 - rise * rise);
+        rects.insert(rects.end(), {float(x - 0.5), float(x + 0.5), float(y - 0.5 * height),
+                                   float(y + 0.5 * height), float(-ratio * rise)});
+    }
+    auto program = Build(kSource);
+    const Buffer rectBuffer = Upload(rects);
+    const Buffer uBuffer = Upload(std::vector<float>(2 * kCount, 0.5F));
+    const Buffer out = Allocate(kCount * 4 * sizeof(float));
+    program->GetKernel("sampleAll").Launch(kCount, rectBuffer, uBuffer, out, std::uint32_t(kCount));
+    const std::vector<float> samples = Download<float>(out, kCount * 4);
+    std::size_t numLarge = 0;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const float* r = &rects[5 * i];
+        const double total = SolidAngle(r[0], r[1], r[2], r[3], -double(r[4]));
+        const double solidAngle = samples[4 * i + 3];
+        ASSERT_GE(solidAngle, 0.0);
+        if (total < 0.01) { // HDS_SPHERICAL_RECT_MIN: callers sample by area
+            ASSERT_LT(solidAngle, 0.0101) << total << " at " << r[0] << " " << r[2] << " " << r[4];
+        } else {
+            ASSERT_NEAR(solidAngle, total, 0.01 * total) << r[0] << " " << r[2] << " " << r[4];
+            ++numLarge;
+        }
+    }
+    EXPECT_GT(numLarge, kCount / 20);
+    EXPECT_LT(numLarge, kCount / 2);
+}
+
 } // namespace
 } // namespace hds::test

@@ -305,6 +305,13 @@ TEST(ImageWriter, WrongTargets) {
     WriteError(folder.File("a.exr/out"), layers, hds::ErrorKind::Usage);
     WriteError(folder.File("ids.png"), {hds::MakeClearLayer(*hds::FindAov("primId"), 2, 2)},
                hds::ErrorKind::Usage);
+    hds::ImageLayer motion = hds::MakeClearLayer(*hds::FindAov("motionForward"), 2, 2);
+    for (const char* name : {"color", "motionForward"}) { // a product may call it anything
+        motion.name = name;
+        for (const char* file : {"motion.png", "motion.jpg", "motion.hdr"}) {
+            WriteError(folder.File(file), {motion}, hds::ErrorKind::Usage);
+        }
+    }
     WriteError(folder.File("none.exr"), {}, hds::ErrorKind::Failure);
     std::filesystem::create_directory(folder.File("folder.exr"));
     WriteError(folder.File("folder.exr"), layers, hds::ErrorKind::Failure);
@@ -316,7 +323,26 @@ TEST(ImageWriter, CheckFindsWrongTargetsEarlyAndLeavesNothing) {
     EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.exr")));
     EXPECT_THROW(hds::CheckImageFile(folder.File("out.xyz")), hds::Error);
     EXPECT_THROW(hds::CheckImageFile(folder.File("no/out.exr")), hds::Error);
+    for (const char* aov : {"motionForward", "primId"}) {
+        EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.exr"), {aov}));
+        EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.png"), {aov, "color"}));
+        EXPECT_THROW(hds::CheckImageFile(folder.File("out.png"), {aov, "depth"}), hds::Error);
+    }
+    EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.tif"), {"motionBackward"}));
+    EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.png"), {"primvars:st"}));
     EXPECT_EQ(folder.NumEntries(), 0u);
+}
+
+TEST(ImageWriter, TwoChannelsBecomeATiff) {
+    const TemporaryFolder folder;
+    hds::ImageLayer motion = hds::MakeClearLayer(*hds::FindAov("motionForward"), 2, 1);
+    motion.values = {1.0F, -2.5F, 3.0F, 4.25F};
+    hds::WriteImage(folder.File("motion.tif"), {motion});
+    const auto input = OIIO::ImageInput::open(folder.File("motion.tif"));
+    std::vector<float> read(4);
+    ASSERT_TRUE(input && input->spec().nchannels == 2);
+    ASSERT_TRUE(input->read_image(0, 0, 0, 2, OIIO::TypeFloat, read.data()));
+    EXPECT_EQ(read, motion.values);
 }
 
 } // namespace
