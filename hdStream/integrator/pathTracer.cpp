@@ -64,16 +64,17 @@ struct PathTracer::Impl {
         SetWaveLimits();
     }
 
+    const DeviceProperties& Properties() const { return device->Properties(); }
+
     KernelFeatures MakeFeatures(bool isStreaming) const {
-        return SceneFeatures(*scene, options, residency, buffers, device->Properties(),
-                             isStreaming);
+        return SceneFeatures(*scene, options, residency, buffers, Properties(), isStreaming);
     }
 
     /// Builds the flat hierarchy where rays will pay for it; hosts that edit wait for none.
     void ReadyHierarchy() {
         if (!buffers.IsStreaming() && MayBeFlat(*scene, options, residency) &&
-            buffers.Flatten(
-                *scene, LimitsOfFlat(*scene, options, residency, buffers, device->Properties()))) {
+            buffers.Flatten(*scene,
+                            LimitsOfFlat(*scene, options, residency, buffers, Properties()))) {
             ++sceneNumber;
             statistics.flattenSeconds = buffers.Flat().BuildSeconds();
         }
@@ -84,9 +85,7 @@ struct PathTracer::Impl {
         kernels =
             &kernelSets.Get(Choose(features), buffers, sceneNumber, &statistics.compileSeconds);
         statistics.hasGeneralKernels = !(kernels->Features() == features);
-        statistics.traversal = features.flat    ? TraversalForm::Flat
-                               : features.simd8 ? TraversalForm::Simd8
-                                                : TraversalForm::Scalar;
+        statistics.traversal = FormOf(features);
     }
 
     static std::uint64_t BytesPerSlot(const KernelFeatures& features) {
@@ -95,7 +94,7 @@ struct PathTracer::Impl {
 
     /// Of a wave while geometry streams. \param evicts pages leave meanwhile.
     std::uint64_t AffordableSlots(bool evicts) const {
-        const std::uint64_t residentSlots = ResidentWaveSize(device->Properties());
+        const std::uint64_t residentSlots = ResidentWaveSize(Properties());
         // Tables of textures that stream are there besides.
         const std::uint64_t otherBytes =
             buffers.Textures().Pool() != nullptr ? buffers.Textures().TableBytes() : 0;
@@ -119,8 +118,8 @@ struct PathTracer::Impl {
             options, device->Properties(), buffers.IsStreaming() ? AffordableSlots(evicts) : 0);
         const std::uint32_t numPaths =
             hasLists ? StreamedWavePaths(options, numSlots, evicts) : numSlots;
-        tracer.Ready(kernels, scene->hasCutouts, {numSlots, numPaths},
-                     TileSize(device->Properties()), options.shadeIterations);
+        tracer.Ready(kernels, scene->hasCutouts, {numSlots, numPaths}, TileSize(Properties()),
+                     options.shadeIterations);
         statistics.waveSize = numSlots;
         SetWaveLimits();
     }

@@ -117,6 +117,12 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     return features;
 }
 
+TraversalForm FormOf(const KernelFeatures& features) {
+    return features.flat    ? TraversalForm::Flat
+           : features.simd8 ? TraversalForm::Simd8
+                            : TraversalForm::Scalar;
+}
+
 bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
                const ResidencyOptions& residency) {
     const bool isAsked = options.traversal == TraversalForm::Flat ||

@@ -17,6 +17,9 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
                              const ResidencyOptions& residency, const SceneBuffers& buffers,
                              const DeviceProperties& properties, bool isStreaming);
 
+/// How rays are traced.
+TraversalForm FormOf(const KernelFeatures& features);
+
 /// Whether rays may walk a flat hierarchy where geometry is resident. Hosts that edit do not wait
 /// for one.
 bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,

@@ -2,8 +2,12 @@
 #include "hdStream/scene/placements.h"
 
 #include "hdStream/scene/groupRecords.h"
+#include "kernels/shared/frame.h"
+
+#include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hds {
 
@@ -81,6 +85,19 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
         }
     }
     return placements;
+}
+
+bool CanBeInverted(const glm::dmat4& matrix) {
+    const double determinant = glm::determinant(matrix);
+    return std::abs(determinant) > 0.0 && std::isfinite(determinant);
+}
+
+bool CanBeInverted(const MovingTransform& transform) {
+    bool canBe = CanBeInverted(transform.AtFrame());
+    for (int i = 0; transform.Moves() && i <= HDS_MAX_MOTION_SEGMENTS; ++i) {
+        canBe = canBe && CanBeInverted(transform.At(double(i) / HDS_MAX_MOTION_SEGMENTS));
+    }
+    return canBe;
 }
 
 void ForEachPlacement(const SceneDescription& scene, const Placement& placement,

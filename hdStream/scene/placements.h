@@ -28,6 +28,10 @@ struct Placed {
 /// From a prim to what its instancer places, or to the world.
 MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter);
 
+/// Whether a matrix can be inverted: at the frame, and at the times of all keys that there may be.
+bool CanBeInverted(const glm::dmat4& matrix);
+bool CanBeInverted(const MovingTransform& transform);
+
 /// Most placements of one prim that are looked at one after the other: chains of instancers
 /// multiply.
 constexpr double kMostPlacements = 1 << 24;

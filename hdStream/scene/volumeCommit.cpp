@@ -49,22 +49,6 @@ void StoreRows(const glm::dmat4& map, float* out) {
     }
 }
 
-/// Whether a matrix can be inverted.
-bool IsPlace(const glm::dmat4& matrix) {
-    const double determinant = glm::determinant(matrix);
-    return std::abs(determinant) > 0.0 && std::isfinite(determinant);
-}
-
-/// The same at the frame, and at the times of all keys that there may be.
-bool IsPlaceAlways(const Placed& placed) {
-    const MovingTransform& transform = placed.worldFromObject;
-    bool isPlace = IsPlace(transform.AtFrame());
-    for (int i = 0; transform.Moves() && i <= HDS_MAX_MOTION_SEGMENTS; ++i) {
-        isPlace = isPlace && IsPlace(transform.At(double(i) / HDS_MAX_MOTION_SEGMENTS));
-    }
-    return isPlace;
-}
-
 /// Where the terms of a volume are in the tables, once for all its placements.
 struct PlacedTerms {
     std::uint32_t number = HDS_NONE;     ///< HDS_NONE: it has none
@@ -414,7 +398,7 @@ public:
         const VolumeField& field = found->second;
         PreparedGrids grids =
             field.voxels ? _preparer.Prepare(field.voxels) : Read(name, field, isNegated);
-        if (!grids.empty() && !IsPlace(grids[0]->description.objectFromIndex)) {
+        if (!grids.empty() && !CanBeInverted(grids[0]->description.objectFromIndex)) {
             _warnings.Add(_path, "field '" + name + "' has a place that makes no sense");
             return {};
         }
@@ -557,9 +541,10 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials ma
         VolumeShading& shading = material->second.shading;
         shading = WithTerms(std::move(shading), {path, prim, preparer, warnings});
         const std::size_t numPlaces = places.size();
-        places.erase(std::remove_if(places.begin(), places.end(),
-                                    [](const Placed& one) { return !IsPlaceAlways(one); }),
-                     places.end());
+        places.erase(
+            std::remove_if(places.begin(), places.end(),
+                           [](const Placed& one) { return !CanBeInverted(one.worldFromObject); }),
+            places.end());
         if (!IsFinite(shading) || places.empty()) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Elementary functions of shader programs. Devices compute them by math/power.clh and
- * math/trig.clh, so that all have the same bits; the host, which folds constants, by its library,
- * whose last place may differ. Part of shared/programMath.h. Explained in docs/materials.md. */
+ * math/trig.clh, which the kernel includes before, so that all have the same bits; the host, which
+ * folds constants, by its library, whose last place may differ. Part of shared/programMath.h.
+ * Explained in docs/materials.md. */
 #ifndef HDS_SHARED_PROGRAM_FUNCTIONS_H
 #define HDS_SHARED_PROGRAM_FUNCTIONS_H
 #include "shared/compat.h"
-#ifdef __OPENCL_VERSION__
-#include "math/power.clh"
-#include "math/trig.clh"
-#else
+#ifndef __OPENCL_VERSION__
 #include <cmath>
 #endif
 
