@@ -289,10 +289,13 @@ def RenderVar "Half" { string sourceName = "crypto_object"
 """ % compression
     result = RunHere("record", WriteStage(tmp_path, ANIMATED + body), "-rs", "/S", *SMALL)
     assert result.code == 0, result.text
+    difference = _core.CompareImages("b.exr", "a.exr")
+    assert not difference.error and len(difference.layers) == 3 and all(layer.numDifferingPixels == 0 for layer in difference.layers)
     _, floats = exrFile.Read("a.exr")
-    _, found = exrFile.Read("b.exr")
-    assert floats.keys() == found.keys() and all(_SameBits(floats[name], found[name]) for name in floats)
     assert any(channel.any() for channel in floats.values())
+    if compression != "b44":  # our reader knows zip alone
+        _, found = exrFile.Read("b.exr")
+        assert floats.keys() == found.keys() and all(_SameBits(floats[name], found[name]) for name in floats)
     assert "/Half: ids of a Cryptomatte are 32 bits" in result.text
     assert ("would change the ids of its Cryptomattes; zip is used" in result.text) == (compression != "b44")
 
