@@ -281,7 +281,8 @@ private:
         way.size = Abs(glm::dmat3(objectFromParent)) * way.size;
         way.isInPlace = way.isInPlace && (instance.flags & HDS_INSTANCE_IN_PLACE) != 0;
         if ((object.kind & HDS_OBJECT_KIND) != HDS_OBJECT_GROUP) {
-            return object.numItems == 0 || AddPlace(instance, record, way);
+            // Of a mesh without a triangle there is no tree, and nothing to meet.
+            return TraitsOf(instance.object).numTriangles == 0.0 || AddPlace(instance, record, way);
         }
         for (std::uint32_t i = 0; i < object.numItems; ++i) {
             if (!Descend(object.itemBase + i, way)) {

@@ -55,7 +55,7 @@ void EnsurePoclCache() {
     if (error) {
         return;
     }
-    std::string own = (temporary / ("hdStream-pocl-" + std::to_string(::getuid()))).string();
+    std::string own = (temporary / ("hdStream-kernels-" + std::to_string(::getuid()))).string();
     ::mkdir(own.c_str(), S_IRWXU);
     if (!IsOurOwn(own)) { // somebody else has made it
         own += "-XXXXXX";

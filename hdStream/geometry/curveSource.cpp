@@ -41,12 +41,15 @@ public:
         }
         CutCurves();
         MeasureSegments();
+        double mostVertices = 5.0; // of a group, for each of its pieces
         for (std::uint32_t group = 0; group < _numGroups; ++group) {
-            _numVertices += GroupVertices(_groups[group]);
+            if (const double numPieces = GroupTriangles(group); numPieces > 0.0) { // as Gather
+                const std::uint64_t vertices = GroupVertices(_groups[group]);
+                _numVertices += vertices;
+                mostVertices = std::max(mostVertices, static_cast<double>(vertices) / numPieces);
+            }
         }
         const std::size_t vertexBytes = ((_hasNormals ? 4 : 0) + 4 * NumPoses()) * sizeof(float);
-        // Of a group of one piece, with those of a neighbour and those of its own.
-        const double mostVertices = _hasStanding ? 14.0 : 5.0;
         _boundBytes = SolidBytes(_values, mostVertices, vertexBytes, NumPoses(), false);
         _meanBytes =
             SolidBytes(_values,

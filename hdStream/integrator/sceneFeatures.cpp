@@ -48,6 +48,9 @@ FlatLimits MakeFlatLimits(const RenderOptions& options, const DeviceProperties& 
     limits.isForced = options.traversal == TraversalForm::Flat;
     limits.cameraRays = std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
     limits.bytes = budgetBytes - std::min(budgetBytes, poolBytes);
+    if (properties.maxAllocationBytes > 0) { // it is one buffer, and bytes a triangle are a mean
+        limits.bytes = std::min(limits.bytes, properties.maxAllocationBytes / 5 * 4);
+    }
     return limits;
 }
 

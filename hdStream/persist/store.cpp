@@ -24,7 +24,7 @@ namespace {
 constexpr char kMagic[8] = {'h', 'd', 's', 'C', 'a', 'c', 'h', 'e'};
 constexpr std::uint32_t kFormatVersion = 2;
 constexpr const char* kExtension = ".hdsc";
-constexpr const char* kTemporaryExtension = ".tmp";
+constexpr const char* kTemporaryExtension = ".hdsc-tmp";
 /// Nobody writes to one entry for so long.
 constexpr std::chrono::hours kOldestTemporary(1);
 

@@ -207,15 +207,23 @@ struct Rating {
     Fineness At() const { return {sidesBeyond == 0, pixels, distance}; }
 };
 
-Rating Rate(const glm::dmat4& cameraFromPrototype, const Sphere& sphere,
-            const DicingCamera& camera) {
+/// What a moving camera adds to the places of things at rest: at most
+/// shift + turn * their distance from the eye, in camera space.
+struct CameraWay {
+    double shift = 0.0;
+    double turn = 0.0;
+};
+
+Rating Rate(const glm::dmat4& cameraFromPrototype, const Sphere& sphere, const DicingCamera& camera,
+            const CameraWay& way = {}) {
     const glm::dmat3 linear(cameraFromPrototype);
     const double square = std::max({glm::dot(linear[0], linear[0]), glm::dot(linear[1], linear[1]),
                                     glm::dot(linear[2], linear[2])});
     const double scale = std::sqrt(square);
     // Columns bound a matrix up to the square root of their number.
-    const double radius = std::max(sphere.radius, 0.0) * scale * std::sqrt(3.0);
+    double radius = std::max(sphere.radius, 0.0) * scale * std::sqrt(3.0);
     const auto centre = glm::dvec3(cameraFromPrototype * glm::dvec4(sphere.centre, 1.0));
+    radius += way.shift + way.turn * (glm::length(centre) + radius);
     const double distance = camera.isPanoramic ? glm::length(centre) : -centre.z;
     Rating rating;
     rating.pixels =
@@ -275,18 +283,25 @@ public:
         : _camera(camera), _group(group), _cameraFromWorld(glm::inverse(camera.worldFromCamera)) {
         for (const glm::dmat4& pose : camera.path) {
             _pathFromWorld.push_back(glm::inverse(pose));
+            const glm::dmat4 moved = _pathFromWorld.back() * camera.worldFromCamera;
+            const glm::dmat3 turn = glm::dmat3(moved) - glm::dmat3(1.0);
+            _way.shift = std::max(_way.shift, glm::length(glm::dvec3(moved[3])));
+            _way.turn = std::max(_way.turn,
+                                 std::sqrt(glm::dot(turn[0], turn[0]) + glm::dot(turn[1], turn[1]) +
+                                           glm::dot(turn[2], turn[2])));
         }
         for (const Member& member : group.members) {
             Extend(_sphere, member.spheres.front());
-            _moves = _moves || member.prototypeFromObject.Moves() || !camera.path.empty();
+            _membersMove = _membersMove || member.prototypeFromObject.Moves();
         }
     }
 
     void Visit(const Way& worldFromPrototype) {
         const glm::dmat4 cameraFromPrototype = _cameraFromWorld * worldFromPrototype.atFrame;
-        const bool moves = _moves || worldFromPrototype.Moves();
-        if (!moves && _group.members.size() > 1 &&
-            IsNothingNew(Rate(cameraFromPrototype, _sphere, _camera))) {
+        const bool areStill = !_membersMove && !worldFromPrototype.Moves();
+        const bool moves = !areStill || !_pathFromWorld.empty();
+        if (areStill && (moves || _group.members.size() > 1) &&
+            IsNothingNew(Rate(cameraFromPrototype, _sphere, _camera, _way))) {
             return;
         }
         for (Member& member : _group.members) {
@@ -341,6 +356,7 @@ private:
         whole.sidesBeyond = ~0U;
         std::size_t finest = 0;
         std::vector<glm::dmat4> poses;
+        poses.reserve(kDicingSteps + 2);
         const auto rate = [&](const glm::dmat4& cameraFromPrototype, const Sphere& sphere,
                               const glm::dmat4& prototypeFromObject) {
             const Rating rating = Rate(cameraFromPrototype, sphere, _camera);
@@ -409,7 +425,8 @@ private:
     glm::dmat4 _cameraFromWorld;
     std::vector<glm::dmat4> _pathFromWorld;
     Sphere _sphere; ///< around the prims at rest
-    bool _moves = false;
+    CameraWay _way;
+    bool _membersMove = false;
 };
 
 DicingView ViewOf(const DicingCamera& camera, const Member& member) {

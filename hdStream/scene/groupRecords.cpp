@@ -67,6 +67,9 @@ Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
 /// little of the shape of the nearest one that can be inverted, too small to be seen. Where none
 /// can be, the keys stay.
 void FillSingular(std::vector<glm::dmat4>* keys) {
+    if (std::all_of(keys->begin(), keys->end(), IsUsableTransform)) {
+        return;
+    }
     constexpr int kSizeExponent = -16;
     const std::vector<glm::dmat4> given = *keys;
     std::vector<std::size_t> usable;

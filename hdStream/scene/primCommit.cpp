@@ -125,8 +125,8 @@ std::vector<GeometryStore::Drawn>
 PrimCommit::InputsOf(const std::vector<const GeometryEntry*>& drawn) {
     GeometryInputs input; // its lists keep their memory from prim to prim
     const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
+    std::vector<DisplacementInput> held; // images are dropped where nobody holds them
     if (isAdaptive && _options.dicingCamera) {
-        std::vector<DisplacementInput> held; // images are dropped where nobody holds them
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             if (!drawn[i]->second.placement.instancerPath.empty()) {
                 materials.GetDisplacements(i, &input.displacements);

@@ -310,8 +310,8 @@ ColorChannels FindColorChannels(const OIIO::ImageSpec& spec) {
         channels.blue = rgb[2];
         return channels;
     }
-    // Luminance, unless it is the second of three coordinates.
-    if (find('Y') >= 0 && find('X') < 0 && find('Z') < 0) {
+    // Luminance, unless it is the second of three coordinates. A Z beside it may be depth.
+    if (find('Y') >= 0 && find('X') < 0) {
         channels.red = channels.green = channels.blue = find('Y');
         return channels;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves and points become the primitives that UsdGeomBasisCurves says: counts of every type, basis
 // and wrap; boxes that hold all balls; values of primvars; one line for bad content.
+#include "hdStream/accel/bvh.h"
 #include "hdStream/geometry/attributePage.h"
 #include "hdStream/geometry/curveSource.h"
 #include "hdStream/geometry/pointSource.h"
@@ -316,6 +317,26 @@ TEST(CurveSource, SegmentsThatStandStillArePassedOver) {
         curves.points = std::vector<float>(120, 0.5F);
         run = GatherAll(curves);
         EXPECT_EQ(run.all.triangles.size(), 1U) << wrap;
+    }
+}
+
+/// Groups that draw one piece have the vertices of all their segments: the page is not larger than
+/// was said.
+TEST(CurveSource, BoundsHoldOfCurvesThatStandStill) {
+    for (const char* basis : {"", "bezier", "bspline", "catmullRom"}) {
+        const std::size_t numCurves = 30;
+        GeometryDescription curves =
+            MakeCurves(std::vector<std::int32_t>(numCurves, 49),
+                       {*basis != 0 ? "cubic" : "linear", basis, "nonperiodic"});
+        std::vector<float> points;
+        for (std::size_t i = 0; i < numCurves; ++i) {
+            points.insert(points.end(), 3 * 49, static_cast<float>(i));
+        }
+        curves.points = points;
+        Gathered run = GatherAll(curves);
+        ASSERT_EQ(run.all.triangles.size(), numCurves) << basis;
+        const double bound = numCurves * run.source->BoundBytes().geometry + 1024.0;
+        EXPECT_LE(static_cast<double>(BuildGeometryPage(run.all).bytes.size()), bound) << basis;
     }
 }
 

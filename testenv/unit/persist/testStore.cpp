@@ -126,11 +126,14 @@ TEST_F(StoreTest, WhatKilledWritersLeaveIsCountedAndCleared) {
     Store store = Open();
     store.Save("kind", "good", "abc", 3);
     const std::uint64_t good = store.Size();
-    const fs::path fresh = folder / "kind-a.0123456789abcdef.tmp";
-    const fs::path old = folder / "kind-b.0123456789abcdef.tmp";
+    const fs::path fresh = folder / "kind-a.0123456789abcdef.hdsc-tmp";
+    const fs::path old = folder / "kind-b.0123456789abcdef.hdsc-tmp";
     std::ofstream(fresh) << std::string(1000, 'x');
     std::ofstream(old) << std::string(1000, 'x');
     fs::last_write_time(old, fs::file_time_type::clock::now() - std::chrono::hours(2));
+    const fs::path foreign = folder / "theirs.tmp";
+    std::ofstream(foreign) << std::string(1000, 'x');
+    fs::last_write_time(foreign, fs::file_time_type::clock::now() - std::chrono::hours(2));
     EXPECT_EQ(store.Size(), good + 2000U);
     EXPECT_EQ(store.Keys("kind"), std::vector<std::string>{"good"});
     store.Save("kind", "other", "abc", 3);
@@ -138,6 +141,7 @@ TEST_F(StoreTest, WhatKilledWritersLeaveIsCountedAndCleared) {
     EXPECT_TRUE(fs::exists(fresh)) << "somebody may be writing it";
     store.Clear();
     EXPECT_FALSE(fs::exists(fresh));
+    EXPECT_TRUE(fs::exists(foreign)) << "a folder may hold what is not ours";
     EXPECT_EQ(store.Size(), 0U);
 }
 

@@ -339,6 +339,18 @@ TEST(ImageReader, TheSecondOfThreeCoordinatesIsNoLuminance) {
     }
 }
 
+TEST(ImageReader, LuminanceBesideDepthIsGray) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("luminance.exr");
+    Image image = MakeImage(9, 5, 3, OIIO::TypeFloat);
+    image.spec.channelnames = {"A", "Y", "Z"};
+    image.spec.alpha_channel = 0;
+    Write(file, image);
+    const Means mean = MeanColor(Whole(file), "auto");
+    EXPECT_EQ(mean.rgba[1], mean.rgba[0]);
+    EXPECT_EQ(mean.rgba[2], mean.rgba[0]);
+}
+
 TEST(ImageReader, TwoChannelsAreGrayAndAlphaWhateverTheirNames) {
     const TemporaryFolder folder;
     const std::string file = folder.File("two.exr");
