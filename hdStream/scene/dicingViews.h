@@ -44,10 +44,11 @@ using GeometryEntry = std::pair<const std::string, GeometryPrim>;
 using DisplacementReach = std::function<double(const GeometryEntry&)>;
 
 /// Views by prim path, of those of `prims` that have a subdivision scheme. Prototypes that are
-/// placed alike share the search: it costs one matrix product per instance, and no memory. The
-/// finest instance of a prim is the one on screen whose pixels are smallest, by the sphere around
-/// the prim; without any on screen, the one nearest to it. What moves is looked at where it is at
-/// steps of the shutter. \param reachOf is asked of what is instanced; null: nothing is displaced.
+/// placed alike share the search: where nothing moves it costs one matrix product per instance, and
+/// no memory. The finest instance of a prim is the one on screen whose pixels are smallest, by the
+/// sphere around the prim; without any on screen, the one nearest to it. What moves is looked at
+/// where it is at steps of the shutter. \param reachOf is asked of what is instanced; null: nothing
+/// is displaced.
 std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
                                                   const std::vector<const GeometryEntry*>& prims,
                                                   const DicingCamera& camera,

@@ -437,7 +437,7 @@ TEST_F(WideLights, PanelsHaveTheSameBits) {
         const bool isLit = OfBits(results[i + 1]) > 0.0F;
         (OfBits(results[i]) > 0.0F ? numSubtended : numByArea) += isLit ? 1 : 0;
     }
-    EXPECT_GT(numSubtended, 5000U);
+    EXPECT_GT(numSubtended, 7500U);
     EXPECT_GT(numByArea, 10000U);
     ExpectLanes(*program, "Panel", 26);
 }

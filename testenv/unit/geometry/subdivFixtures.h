@@ -43,6 +43,18 @@ inline Diced DiceUniform(const GeometryDescription& mesh, std::uint32_t level,
     return DiceAll(mesh, options, displacement);
 }
 
+/// Adaptive rates for a camera that looks along -z at an object there.
+inline DicingOptions MakeOptions(const glm::dvec3& objectFromCamera) {
+    DicingOptions options;
+    options.isAdaptive = true;
+    options.level = kAdaptiveLevel;
+    options.view.imageSize = {640.0, 480.0};
+    options.view.windowMin = {-0.5, -0.375};
+    options.view.windowMax = {0.5, 0.375};
+    options.view.cameraFromObject[3] = glm::dvec4(objectFromCamera, 1.0);
+    return options;
+}
+
 /// A cube of quads, side 2.
 inline GeometryDescription MakeCube() {
     GeometryDescription mesh = MakeMesh({{-1, -1, -1},

@@ -13,17 +13,6 @@
 namespace hds::test {
 namespace {
 
-DicingOptions MakeOptions(const glm::dvec3& objectFromCamera) {
-    DicingOptions options;
-    options.isAdaptive = true;
-    options.level = kAdaptiveLevel;
-    options.view.imageSize = {640.0, 480.0};
-    options.view.windowMin = {-0.5, -0.375};
-    options.view.windowMax = {0.5, 0.375};
-    options.view.cameraFromObject[3] = glm::dvec4(objectFromCamera, 1.0);
-    return options;
-}
-
 /// Distance of a point from a triangle.
 double Distance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                 const glm::dvec3& c) {

@@ -11,17 +11,6 @@
 namespace hds::test {
 namespace {
 
-DicingOptions MakeOptions(const glm::dvec3& objectFromCamera) {
-    DicingOptions options;
-    options.isAdaptive = true;
-    options.level = kAdaptiveLevel;
-    options.view.imageSize = {640.0, 480.0};
-    options.view.windowMin = {-0.5, -0.375};
-    options.view.windowMax = {0.5, 0.375};
-    options.view.cameraFromObject[3] = glm::dvec4(objectFromCamera, 1.0);
-    return options;
-}
-
 /// Waves around a distance: a height whose normals have a closed form, or none around it.
 class Waves final : public DisplacementAmount {
 public:
