@@ -43,6 +43,7 @@ def Render(stagePath, width: int, height: int, aovs=("color",), camera: str = "/
     options.camera, options.imageWidth, options.imageHeight = camera, width, height
     options.aovs, options.pixelFilter, options.pixelFilterWidth = list(aovs), "box", 1.0
     options.russianRoulette, options.noCache = False, True
+    options.kernels = os.environ.get("HDSTREAM_TEST_KERNELS", "auto")  # conftest.py
     for name, value in settings.items():
         setattr(options, name, value)
     session.Render(options)

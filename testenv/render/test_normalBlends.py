@@ -156,12 +156,12 @@ def test_any_direction_is_a_normal(tmp_path, name):
 
 @pytest.mark.parametrize("depth", [8, 60])
 def test_blends_of_blends_are_read_once(tmp_path, depth):
-    """2^60 ways to one map end, with a line where the machine is not deep enough."""
+    """2^60 ways to one map end, and its registers are free after their last use: no depth is too deep."""
     def Add(stage):
         node = _Map(stage, "A", _A)
         for index in range(depth):
             node = _Node(stage, f"Blend{index}", "mix_vector3", bg=node, fg=node, mix=0.5)
         return node
     picture, whole = _Picture(tmp_path, Add), _Picture(tmp_path, lambda stage: _Map(stage, "Whole", _A))
-    assert [text for text in picture.warnings if "too deep" in text] == picture.warnings and bool(picture.warnings) == (depth > 8)
-    assert (abs(picture.rgb - whole.rgb).max() < 1e-4) == (depth == 8)
+    assert picture.warnings == []
+    assert abs(picture.rgb - whole.rgb).max() < 1e-4
