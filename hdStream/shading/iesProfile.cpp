@@ -144,9 +144,21 @@ std::string ReadTable(Numbers* numbers, Table* table) {
     return {};
 }
 
+/// Adds a column half-way between two others. \return its number.
+std::size_t AddMean(std::size_t a, std::size_t b, Table* table) {
+    const std::size_t numPolars = table->polars.size();
+    const std::size_t column = table->candela.size() / numPolars;
+    for (std::size_t i = 0; i < numPolars; ++i) {
+        table->candela.push_back(
+            0.5 * (table->candela[a * numPolars + i] + table->candela[b * numPolars + i]));
+    }
+    return column;
+}
+
 /// The columns of azimuths around the whole circle, by the symmetry that the last angle tells.
 /// \return pairs of azimuth and column; empty: not a range that LM-63 knows.
-std::vector<std::pair<double, std::size_t>> WholeCircle(const std::vector<double>& azimuths) {
+std::vector<std::pair<double, std::size_t>> WholeCircle(Table* table) {
+    const std::vector<double>& azimuths = table->azimuths;
     const std::size_t count = azimuths.size();
     const double first = azimuths.front();
     const double last = azimuths.back();
@@ -181,11 +193,12 @@ std::vector<std::pair<double, std::size_t>> WholeCircle(const std::vector<double
             }
         }
         std::sort(whole.begin(), whole.end());
-        if (whole.front().first == 0.0) {
-            whole.emplace_back(360.0, whole.front().second);
-            return whole;
+        if (whole.front().first > 0.0) { // none at 180 degrees, and so none at 0
+            whole.insert(whole.begin(),
+                         {0.0, AddMean(whole.front().second, whole.back().second, table)});
         }
-        return {};
+        whole.emplace_back(360.0, whole.front().second);
+        return whole;
     } else if (first != 0.0 || last > 360.0) {
         return {};
     } else if (last < 360.0) {
@@ -236,7 +249,7 @@ IesProfile ParseIesProfile(const std::string& text, std::string* error) {
     if (!error->empty()) {
         return {};
     }
-    const auto columns = WholeCircle(table.azimuths);
+    const auto columns = WholeCircle(&table);
     if (columns.empty()) {
         *error = "its horizontal angles do not go from 0 to 0, 90, 180 or 360 degrees";
         return {};

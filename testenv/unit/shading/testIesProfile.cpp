@@ -69,6 +69,18 @@ TEST(IesProfileTest, HalvesAreMirrored) {
     }
 }
 
+/// No column at 180 degrees: what is there, and at 0, is half-way between its neighbours.
+TEST(IesProfileTest, HalvesOfAnOddNumberOfStepsAreMirrored) {
+    const IesProfile profile = Parse(FileOf("0 90", "90 150 210 270", "1 2 3 4 5 8 7 9", 2, 4));
+    const double degrees[] = {0, 30, 90, 150, 210, 270, 330, 360};
+    const float expected[] = {6, 4, 2, 4, 8, 9, 8, 6};
+    ASSERT_EQ(profile.azimuths.size(), 8U);
+    for (std::size_t i = 0; i < 8; ++i) {
+        EXPECT_NEAR(profile.azimuths[i], degrees[i] * kPi / 180.0, 1e-6);
+        EXPECT_FLOAT_EQ(Value(profile, i, 1), expected[i]) << degrees[i];
+    }
+}
+
 TEST(IesProfileTest, WholeCirclesEndWhereTheyBegin) {
     EXPECT_EQ(Parse(FileOf("0 90", "0 120 240 360", "1 2 3 4 5 6 1 2", 2, 4)).azimuths.size(), 4U);
     const IesProfile open = Parse(FileOf("0 90", "0 120 240", "1 2 3 4 5 6", 2, 3));
