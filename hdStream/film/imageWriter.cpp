@@ -223,13 +223,24 @@ std::size_t PackLayer(const ImageLayer& layer, std::size_t y, std::size_t stride
     return bytes;
 }
 
-bool IsColor(const ImageLayer& layer) {
-    const AovInfo* info = FindAov(layer.name);
+/// The AOV that a layer is, whatever the file calls it.
+const std::string& AovOf(const ImageLayer& layer, const ImageWriteOptions& options) {
+    const auto found = options.aovs.find(layer.name);
+    return found != options.aovs.end() ? found->second : layer.name;
+}
+
+/// What is known of an AOV, of those too that have no row in the table; null: nothing.
+std::shared_ptr<const AovInfo> Describe(const std::string& aov) {
+    return HasAov(aov) ? MakeAovLayout({aov}).slots.front().info : nullptr;
+}
+
+bool IsColor(const ImageLayer& layer, const ImageWriteOptions& options) {
+    const std::shared_ptr<const AovInfo> info = Describe(AovOf(layer, options));
     return info != nullptr && info->isColor;
 }
 
 /// All layers side by side. The layers must outlive the result.
-EncodedImage EncodeExr(const std::vector<ImageLayer>& layers, const std::string& workingSpace) {
+EncodedImage EncodeExr(const std::vector<ImageLayer>& layers, const ImageWriteOptions& options) {
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layers[0].width),
                                  static_cast<int>(layers[0].height), 0, OIIO::TypeFloat);
@@ -258,8 +269,9 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers, const std::string&
         image.spec.channelformats.clear();
     }
     image.spec.attribute("compression", "zip");
-    if (std::any_of(layers.begin(), layers.end(), IsColor)) {
-        AddColorSpace(&image.spec, workingSpace);
+    if (std::any_of(layers.begin(), layers.end(),
+                    [&](const ImageLayer& layer) { return IsColor(layer, options); })) {
+        AddColorSpace(&image.spec, options.metadata.workingSpace);
     } else {
         image.spec.attribute("oiio:ColorSpace", "Linear");
     }
@@ -275,14 +287,14 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers, const std::string&
 }
 
 /// Display-referred 8-bit pixels.
-EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind, ColorCorrection correction,
-                           const std::string& workingSpace) {
+EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind,
+                           const ImageWriteOptions& options) {
     const AlphaMode alphaMode =
         kind == FileKind::Png ? AlphaMode::Unpremultiplied : AlphaMode::OverBlack;
     // Data that is no colour (depth, normals) is stored as it is.
-    const AovInfo* info = FindAov(layer.name);
-    const DisplayTransform transform(info && info->isColor ? correction : ColorCorrection::Disabled,
-                                     workingSpace);
+    const DisplayTransform transform(IsColor(layer, options) ? options.colorCorrection
+                                                             : ColorCorrection::Disabled,
+                                     options.metadata.workingSpace);
     QuantisedImage quantised = QuantiseLayer(layer, transform, alphaMode);
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layer.width), static_cast<int>(layer.height),
@@ -325,17 +337,21 @@ EncodedImage EncodeLinear(const ImageLayer& layer, FileKind kind) {
 
 /// What the choice of a layer depends on.
 struct LayerKind {
-    std::string name;
+    std::string name; ///< of the AOV
     std::size_t numChannels;
-    bool isInteger;
+    bool hasIds; ///< as integers, or as the bits of a Cryptomatte's floats
 };
+
+bool HasIds(const AovInfo* info) {
+    return info != nullptr && (info->isInteger || info->filter == AovFilter::Matte);
+}
 
 /// Which layer a format with room for one layer stores. Throws (Usage) where it cannot hold that.
 std::size_t MainLayer(const std::string& file, const std::vector<LayerKind>& layers) {
     const auto color = std::find_if(layers.begin(), layers.end(),
                                     [](const LayerKind& layer) { return layer.name == "color"; });
     const auto main = color != layers.end() ? color : layers.begin();
-    if (main->isInteger) {
+    if (main->hasIds) {
         throw Error("cannot write '" + file + "': ids ('" + main->name +
                         "') can only be stored in an .exr file",
                     ErrorKind::Usage);
@@ -488,8 +504,8 @@ void CheckImageFile(const std::string& file, const std::vector<std::string>& aov
     if (KindOf(file) != FileKind::Exr && !aovs.empty()) {
         std::vector<LayerKind> layers;
         for (const std::string& name : aovs) {
-            const AovInfo* info = FindAov(name);
-            layers.push_back({name, info ? info->channels.size() : 3, info && info->isInteger});
+            const std::shared_ptr<const AovInfo> info = Describe(name);
+            layers.push_back({name, info ? info->channels.size() : 3, HasIds(info.get())});
         }
         MainLayer(file, layers);
     }
@@ -503,11 +519,13 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
     std::vector<std::string> left;
     EncodedImage image;
     if (kind == FileKind::Exr) {
-        image = EncodeExr(layers, options.metadata.workingSpace);
+        image = EncodeExr(layers, options);
     } else {
         std::vector<LayerKind> kinds;
         for (const ImageLayer& one : layers) {
-            kinds.push_back({one.name, one.channels.size(), one.isInteger});
+            const std::string& aov = AovOf(one, options);
+            kinds.push_back(
+                {aov, one.channels.size(), one.isInteger || HasIds(Describe(aov).get())});
         }
         const ImageLayer& layer = layers[MainLayer(file, kinds)];
         for (const ImageLayer& other : layers) {
@@ -515,10 +533,9 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
                 left.push_back(other.name);
             }
         }
-        image =
-            kind == FileKind::Png || kind == FileKind::Jpeg
-                ? EncodeDisplay(layer, kind, options.colorCorrection, options.metadata.workingSpace)
-                : EncodeLinear(layer, kind);
+        image = kind == FileKind::Png || kind == FileKind::Jpeg
+                    ? EncodeDisplay(layer, kind, options)
+                    : EncodeLinear(layer, kind);
     }
     AddMetadata(&image.spec, options.metadata);
     if (kind == FileKind::Exr) {

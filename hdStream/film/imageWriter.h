@@ -44,6 +44,8 @@ struct ImageMetadata {
 struct ImageWriteOptions {
     ColorCorrection colorCorrection = ColorCorrection::Automatic; ///< .png and .jpg only
     ImageMetadata metadata;
+    /// AOVs of layers that the file has under other names, by these.
+    std::map<std::string, std::string> aovs = {};
 };
 
 /// Fails early, before hours of rendering: checks that the extension is known, that the format can
@@ -57,11 +59,11 @@ void CheckImageFile(const std::string& file, const std::vector<std::string>& aov
 ///  colour
 ///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL; halves where
 ///              ImageLayer::isHalf; data and display window of the metadata, and its tiles
-///  .png        "color" (else the first layer) display-referred, 8 bits, not premultiplied
+///  .png        the AOV "color" (else the first layer) display-referred, 8 bits, not premultiplied
 ///  .jpg .jpeg  that layer display-referred, 8 bits, over black
 ///  .tif .tiff  that layer in linear float, premultiplied
 ///  .hdr        that layer in linear float, without alpha
-/// Ids are for .exr alone, layers of two channels for .exr and .tif.
+/// Ids, those of Cryptomattes too, are for .exr alone, layers of two channels for .exr and .tif.
 /// \return names of the layers that the format has no room for
 /// \throws Error that names the file and the reason; nothing is left behind and an existing file is
 ///         kept

@@ -110,15 +110,18 @@ void BindWriting(nb::module_& module) {
     module.def(
         "WriteImage",
         [](const std::string& file, const std::vector<ImageLayer>& layers,
-           const std::string& colorCorrection, const ImageMetadata& metadata) {
+           const std::string& colorCorrection, const ImageMetadata& metadata,
+           const std::map<std::string, std::string>& aovs) {
             ImageWriteOptions options;
             options.colorCorrection = ParseColorCorrection(colorCorrection);
             options.metadata = metadata;
+            options.aovs = aovs;
             return WriteImage(file, layers, options);
         },
         ReleaseGil(), "file"_a, "layers"_a, "colorCorrection"_a = "",
-        "metadata"_a = ImageMetadata(),
-        "Writes layers; returns those that the format cannot hold.");
+        "metadata"_a = ImageMetadata(), "aovs"_a = std::map<std::string, std::string>(),
+        "Writes layers; returns those that the format cannot hold. aovs: AOVs of layers that the "
+        "file has under other names, by these.");
 
     module.def("IsWorkingSpace", &IsWorkingSpace, "name"_a,
                "Whether the setting workingSpace takes a name.");

@@ -364,3 +364,38 @@ def test_two_eyes_are_two_products_of_one_run(lens, tmp_path, monkeypatch):
     assert middles["left"] - middles["right"] == pytest.approx(disparity, abs=0.02)
     brightness = [pictures[name]["R"].max() / pictures["left"]["R"].max() for name in eyes]
     assert brightness == pytest.approx([1.0, 2.0 if lens else 1.0], rel=1e-3)
+
+
+def test_colours_are_colours_by_any_name(tmp_path, monkeypatch):
+    """To a PNG: a colour that the product has another name for, behind what is none, and the light of an expression."""
+    monkeypatch.chdir(tmp_path)
+    products = {"plain": ["color"], "renamed": ["beauty"], "behind": ["depth", "beauty"], "diffuse": ["diffuse"], "expression": ["lit"]}
+    body = "".join(f"""def RenderProduct "{name}" {{ token productName = "{name}.png"
+        rel orderedVars = [{", ".join(f"</Render/Vars/{var}>" for var in variables)}] }}
+""" for name, variables in products.items())
+    stage = WriteStage(tmp_path, _BRIGHT + f"""def Scope "Render" {{
+    def RenderSettings "Settings" {{ rel products = [{", ".join(f"</Render/{name}>" for name in products)}]
+        uniform int2 resolution = (24, 16)
+        rel camera = </main_cam> }}
+    {body}
+    def Scope "Vars" {{
+        def RenderVar "color" {{ string sourceName = "color" }}
+        def RenderVar "beauty" {{ string sourceName = "color"
+            custom string driver:parameters:aov:name = "beauty" }}
+        def RenderVar "depth" {{ string sourceName = "depth" }}
+        def RenderVar "diffuse" {{ string sourceName = "diffuse" }}
+        def RenderVar "lit" {{ string sourceName = "C<RD>.*[LO]"
+            token sourceType = "lpe" }}
+    }}
+}}
+""")
+    result = RunHere("record", stage, *_SELECT, "--frames", "1", "--samples", "4")
+    assert result.code == 0, result.text
+    written = {name: (tmp_path / f"{name}.png").read_bytes() for name in products}
+    assert written["renamed"] == written["plain"] and written["behind"] == written["plain"]
+    assert written["expression"] == written["diffuse"] and written["diffuse"] != written["plain"]
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif"])
+def test_ids_of_cryptomattes_are_for_exr(name, tmp_path):
+    AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), name, "--aovs", "crypto_object", cwd=tmp_path), 2, "crypto_object", ".exr")

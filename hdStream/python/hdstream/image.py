@@ -94,7 +94,8 @@ class Image:
             for aov, name, isHalf in layers:
                 written.append(_core.ImageLayer(byName[aov]))
                 written[-1].name, written[-1].isHalf = name, isHalf
-        return _core.WriteImage(os.fspath(file), written, colorCorrectionMode, metadata)
+        aovs = {name: aov for aov, name, _ in layers or ()}
+        return _core.WriteImage(os.fspath(file), written, colorCorrectionMode, metadata, aovs)
 
     def WriteDeep(self, file: Union[str, "os.PathLike[str]"], texts: Optional[Mapping[str, str]] = None,
                   isHalf: bool = False) -> None:

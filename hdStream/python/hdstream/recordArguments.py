@@ -69,7 +69,7 @@ def FramesOf(args, stage, warn):
 
 def _MainLayer(layers):
     """Which of a file's layers formats with room for one store."""
-    return next((layer for layer in layers if layer.name == "color"), layers[0])
+    return next((layer for layer in layers if layer.aov == "color"), layers[0])
 
 
 def FramesToPrepare(args, stage, warn):

@@ -236,6 +236,34 @@ TEST(ImageWriter, OnlyTheColourGoesToPng) {
     EXPECT_NEAR(image.getchannel(0, 1, 0, 0) * 255, 128, 1e-3);
 }
 
+TEST(ImageWriter, ColourIsWhatTheAovIsWhateverItsName) {
+    const TemporaryFolder folder;
+    constexpr const char* kName = "beauty";
+    const auto greenOf = [&](hds::ImageLayer layer, const std::string& aov) {
+        layer.name = kName;
+        const hds::ImageLayer first = hds::MakeClearLayer(*hds::FindAov("depth"), kWidth, kHeight);
+        hds::ImageWriteOptions options;
+        options.aovs = {{kName, aov}};
+        std::vector<hds::ImageLayer> layers{layer};
+        if (aov == "color") { // it is the one that is written, wherever it stands
+            layers.insert(layers.begin(), first);
+        }
+        hds::WriteImage(folder.File("out.png"), layers, options);
+        OIIO::ImageBuf image(folder.File("out.png"));
+        EXPECT_TRUE(image.read(0, 0, true, OIIO::TypeUInt8));
+        return std::lround(255.0F * image.getchannel(0, 0, 0, 1));
+    };
+    constexpr long kLinearHalf = 128;
+    constexpr long kDisplayHalf = 188; // of IEC 61966-2-1
+    const hds::ImageLayer half = MakeColor(0.5F, 0.5F, 0.5F, 1.0F);
+    for (const char* aov : {"color", "diffuse", "lpe:C<RD>.*L", "lightGroup:key"}) {
+        EXPECT_EQ(greenOf(half, aov), kDisplayHalf) << aov;
+    }
+    for (const char* aov : {"normal", "primvars:st", "no such AOV"}) {
+        EXPECT_EQ(greenOf(half, aov), kLinearHalf) << aov;
+    }
+}
+
 TEST(ImageWriter, SameLayersSameBytes) {
     const TemporaryFolder folder;
     for (const char* extension : {"exr", "png", "jpg", "tif", "hdr"}) {
@@ -305,6 +333,11 @@ TEST(ImageWriter, WrongTargets) {
     WriteError(folder.File("a.exr/out"), layers, hds::ErrorKind::Usage);
     WriteError(folder.File("ids.png"), {hds::MakeClearLayer(*hds::FindAov("primId"), 2, 2)},
                hds::ErrorKind::Usage);
+    // Bits of ids in floats are no less ids.
+    hds::ImageLayer matte = hds::MakeClearLayer(*hds::FindAov("crypto_object00"), 2, 2);
+    for (const char* file : {"matte.png", "matte.jpg", "matte.tif", "matte.hdr"}) {
+        WriteError(folder.File(file), {matte}, hds::ErrorKind::Usage);
+    }
     hds::ImageLayer motion = hds::MakeClearLayer(*hds::FindAov("motionForward"), 2, 2);
     for (const char* name : {"color", "motionForward"}) { // a product may call it anything
         motion.name = name;
@@ -323,7 +356,7 @@ TEST(ImageWriter, CheckFindsWrongTargetsEarlyAndLeavesNothing) {
     EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.exr")));
     EXPECT_THROW(hds::CheckImageFile(folder.File("out.xyz")), hds::Error);
     EXPECT_THROW(hds::CheckImageFile(folder.File("no/out.exr")), hds::Error);
-    for (const char* aov : {"motionForward", "primId"}) {
+    for (const char* aov : {"motionForward", "primId", "crypto_object", "crypto_material01"}) {
         EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.exr"), {aov}));
         EXPECT_NO_THROW(hds::CheckImageFile(folder.File("out.png"), {aov, "color"}));
         EXPECT_THROW(hds::CheckImageFile(folder.File("out.png"), {aov, "depth"}), hds::Error);
