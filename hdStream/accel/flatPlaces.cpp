@@ -30,8 +30,9 @@ constexpr int kDeepMarginExponent = -16;
 constexpr double kMaxGrowth = 3.0;
 constexpr double kMaxDeepGrowth = 9.0;
 constexpr double kTolerance = 1.0 + 1e-5;
-/// What a copy takes beside its mesh's tree, in triangles.
-constexpr double kTrianglesACopy = 2.0;
+/// What a copy takes beside its mesh's tree and the transforms on the way to it: its place and, of
+/// nodes with some three children each, its box.
+constexpr double kBytesACopy = sizeof(shared::HdsFlatPlace) + 80.0;
 /// On the way each takes some 500 bytes.
 constexpr double kMaxCopies = 1U << 18U;
 
@@ -140,7 +141,9 @@ public:
             const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
             const bool isCopied =
                 (hasManyCopies && held + added > amount.manyTriangles) || held + added > most;
-            const double ofCopies = kTrianglesACopy * traits.numMeshes;
+            const double bytesACopy =
+                kBytesACopy + sizeof(shared::HdsFlatTransform) * (traits.records + 1.0);
+            const double ofCopies = bytesACopy / kFlatBytesATriangle * traits.numMeshes;
             const auto numRecords = static_cast<double>(records.size());
             if (isCopied && (held + traits.numUnique + ofCopies * numRecords > most ||
                              numCopies + traits.numMeshes * numRecords > kMaxCopies)) {

@@ -88,8 +88,8 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
           FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll)}, FlatAmount{ofAll}}) {
         EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, amount}).Flat().numTriangles, ofAll);
     }
-    // A copy takes as much as two triangles.
-    const std::uint64_t ofCopies = 12 + 2 * 40;
+    // A copy takes as much as 2.2 triangles.
+    const std::uint64_t ofCopies = 12 + 22 * 40 / 10;
     EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofCopies - 1, kNoMatter, 0.0}})
                   .Flat()
                   .numTriangles,
@@ -130,6 +130,40 @@ TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
         EXPECT_EQ(copies.Flat().hasInstances, levels > HDS_FLAT_MAX_RECORDS) << levels;
         EXPECT_GT(copies.Flat().numCopies, 0U);
         ExpectSameHits(built, MixedRays(1500), kCopies);
+    }
+}
+
+// However many records are on the way to a copy, its transforms are counted.
+TEST_F(FlatBvhTest, CopiesBelowGroupsKeepTheLimit) {
+    constexpr std::uint32_t kCopiesOfBox = 2000;
+    constexpr std::uint64_t kTrianglesOfBox = 12;
+    constexpr std::uint64_t kBytesOfBox = 2048; // its tree and the header, generously
+    for (int levels = 1; levels <= HDS_FLAT_MAX_RECORDS; ++levels) {
+        AccelScene built;
+        std::uint32_t object = built.AddMesh(Box(0.1F), 60);
+        for (int level = 1; level < levels; ++level) {
+            object = built.AddGroup({{object, glm::translate(glm::dmat4(1.0), {0.1, 0.2, 0.3})}});
+        }
+        UniformSource uniform(43);
+        std::vector<AccelPlacement> placements;
+        for (std::uint32_t i = 0; i < kCopiesOfBox; ++i) {
+            placements.push_back(
+                {object, glm::translate(glm::dmat4(1.0), 20.0 * glm::dvec3(uniform.Vector()))});
+        }
+        built.SetRoot(placements);
+        std::uint64_t fewest = 0; // triangles a copy, in tenths, of which there is a hierarchy
+        for (std::uint64_t tenths = 10; tenths <= 40; ++tenths) {
+            const std::uint64_t most = kTrianglesOfBox + tenths * kCopiesOfBox / 10;
+            const DeviceAccelScene scene(device, built, {1, {}, {most, 0.0, 0.0, 0.0}});
+            const FlatBvh& flat = scene.Flat();
+            if (flat.numCopies > 0) {
+                EXPECT_EQ(flat.numCopies, kCopiesOfBox);
+                EXPECT_LE(flat.buffer.size(), most * kFlatBytesATriangle + kBytesOfBox)
+                    << levels << " levels, " << tenths;
+                fewest = fewest == 0 ? tenths : fewest;
+            }
+        }
+        EXPECT_EQ(fewest, 14U + 8U * static_cast<std::uint64_t>(levels));
     }
 }
 
