@@ -364,3 +364,18 @@ def test_two_eyes_are_two_products_of_one_run(lens, tmp_path, monkeypatch):
     assert middles["left"] - middles["right"] == pytest.approx(disparity, abs=0.02)
     brightness = [pictures[name]["R"].max() / pictures["left"]["R"].max() for name in eyes]
     assert brightness == pytest.approx([1.0, 2.0 if lens else 1.0], rel=1e-3)
+
+
+def test_a_file_that_cannot_be_written_costs_no_other(stage, tmp_path, monkeypatch):
+    """Nor those of the same picture that come after it."""
+    from hdstream import image
+    write = image.Image.Write
+
+    def Write(self, file, *further):
+        if "main" in file:
+            raise _core.Error(f"cannot write '{file}': No space left on device")
+        return write(self, file, *further)
+
+    monkeypatch.setattr(image.Image, "Write", Write)
+    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "No space left")
+    assert {path.name for path in tmp_path.glob("*.exr")} == {"mattes1.exr", "deep.0001.exr"}

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from cliCase import ANIMATED, SECONDS, Run, RunHere, WriteStage
+from cliCase import ANIMATED, SECONDS, AssertFails, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
 from hdstream.resume import AssetHashes
 
@@ -268,6 +268,13 @@ def test_a_picture_that_could_not_be_written_is_not_there(stage, tmp_path, monke
     output.write_bytes((tmp_path / "o.png").read_bytes() + b"\0")
     assert not IsThere(Record(stage, output, 4)), "somebody else's file is none"
     assert output.read_bytes() == whole.read_bytes()
+
+
+def test_sums_that_cannot_be_written_cost_no_picture(stage, tmp_path):
+    output = tmp_path / "o.exr"
+    (tmp_path / "o.exr.sums").mkdir()
+    AssertFails(RunHere("record", stage, output, *RESUME, "--samples", 4), 1, "o.exr.sums")
+    assert IsThere(Record(stage, output, 4))
 
 
 def test_damaged_sums_are_none(tmp_path):
