@@ -54,6 +54,7 @@ class StageTranslator:
                                       self._reports)
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
+        self.borrowed = {}  # as of MaterialReader
         self.mappedLayers = rereading.MappedLayers()
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = PrimHandlers(self, self._instancers, session, self._timeCode, self._motion, self._assets, self._links,
@@ -111,6 +112,7 @@ class StageTranslator:
         for path, prim in primByPath.items():
             self._session.SetMaterial(path, reader.Read(prim))
         self.materialPaths.update(primByPath)
+        self.borrowed.update(reader.borrowed)
 
     # --- Traversal -------------------------------------------------------------------------------
 
