@@ -125,6 +125,10 @@ void BindWriting(nb::module_& module) {
 
     module.def("IsWorkingSpace", &IsWorkingSpace, "name"_a,
                "Whether the setting workingSpace takes a name.");
+    module.def(
+        "ColorConfigIdentity", &ColorConfigIdentity,
+        "A text that changes when the colour configuration in force does. Raises Error where "
+        "$OCIO cannot be read.");
     module.def("AddDenoiserLibrary", &AddDenoiserLibrary, "file"_a,
                "A file of Open Image Denoise that is tried before the system's.");
     module.def("CheckDenoiser", &CheckDenoiser, ReleaseGil(),

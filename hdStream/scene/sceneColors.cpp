@@ -5,7 +5,6 @@
 #include "hdStream/geometry/splatSource.h"
 #include "hdStream/shading/colorInputs.h"
 #include "hdStream/shading/lightUnits.h"
-#include "hdStream/texture/colorConfig.h"
 #include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/oneLine.h"
 

@@ -5,7 +5,6 @@
 #include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/session/memorySize.h"
 #include "hdStream/session/settingsTable.h"
-#include "hdStream/texture/colorConversion.h"
 
 #include <algorithm>
 #include <array>

@@ -2,6 +2,7 @@
 #include "hdStream/texture/colorConfig.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/oneLine.h"
 
 #include <glm/mat3x3.hpp>

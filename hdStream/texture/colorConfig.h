@@ -18,10 +18,6 @@ namespace hds {
 /// \throws Error that names the file when $OCIO cannot be read
 OCIO_NAMESPACE::ConstConfigRcPtr ColorConfig();
 
-/// A text that changes when the configuration in force, or a file that it uses, does. Thread-safe.
-/// \throws as ColorConfig
-std::string ColorConfigIdentity();
-
 /// Whether $OCIO names a configuration.
 bool HasUserColorConfig();
 

@@ -30,6 +30,10 @@ bool IsDataSpace(const std::string& space);
 /// \throws Error as ColorConfig
 bool IsColorSpace(const std::string& name);
 
+/// A text that changes when the configuration in force, or a file that it uses, does. Thread-safe.
+/// \throws Error as ColorConfig
+std::string ColorConfigIdentity();
+
 /// Colours from one space to another. Immutable after construction, thread-safe.
 class ColorConversion {
 public:

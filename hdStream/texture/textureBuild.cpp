@@ -4,7 +4,7 @@
 #include "hdStream/base/fieldHash.h"
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/texture/blockEncoder.h"
-#include "hdStream/texture/colorConfig.h"
+#include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/mipChain.h"
 #include "hdStream/texture/textureLayout.h"
 #include "hdStream/texture/textureRows.h"

@@ -58,3 +58,20 @@ def test_streams_that_are_closed(tmp_path, closed):
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "o.exr").read_bytes() == (tmp_path / "expected.exr").read_bytes()
     assert (2 in closed) or b"</None>" in done.stderr or b"does not exist" in done.stderr
+
+
+def test_letters_that_the_locale_lacks_are_escaped(tmp_path):
+    """Names of prims are UTF-8, whatever the terminal takes."""
+    stage = WriteStage(tmp_path, ANIMATED + 'def Camera "Größe_木" {}\n')
+    done = Run("info", stage, environment={"PYTHONIOENCODING": "ascii"})
+    assert done.code == 0 and not done.errors, done.text
+    assert "/Gr\\xf6\\xdfe_\\u6728" in done.out
+
+
+@pytest.mark.parametrize("command", [["info", "s.usda"], ["record", "s.usda", "o.exr", *SMALL]], ids=["info", "record"])
+def test_a_working_folder_that_is_not_utf8_is_named(tmp_path, command):
+    folder = os.fsencode(tmp_path) + b"/bad\xff"
+    os.mkdir(folder)
+    WriteStage(tmp_path).rename(tmp_path / "s.usda")
+    os.rename(tmp_path / "s.usda", folder + b"/s.usda")
+    AssertFails(Run(*command, cwd=folder), 2, "bad\\udcff", "not UTF-8")

@@ -399,3 +399,18 @@ def test_colours_are_colours_by_any_name(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["a.png", "a.tif"])
 def test_ids_of_cryptomattes_are_for_exr(name, tmp_path):
     AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), name, "--aovs", "crypto_object", cwd=tmp_path), 2, "crypto_object", ".exr")
+
+
+def test_a_file_that_cannot_be_written_costs_no_other(stage, tmp_path, monkeypatch):
+    """Nor those of the same picture that come after it."""
+    from hdstream import image
+    write = image.Image.Write
+
+    def Write(self, file, *further):
+        if "main" in file:
+            raise _core.Error(f"cannot write '{file}': No space left on device")
+        return write(self, file, *further)
+
+    monkeypatch.setattr(image.Image, "Write", Write)
+    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "No space left")
+    assert {path.name for path in tmp_path.glob("*.exr")} == {"mattes1.exr", "deep.0001.exr"}

@@ -78,3 +78,12 @@ def test_a_killed_run_goes_on_from_its_last_snapshot(tmp_path):
 @pytest.mark.parametrize("further", [["--workers", "1"], ["--scheduler", "tcp://127.0.0.1:1"]])
 def test_farms_write_no_snapshots(tmp_path, further):
     AssertFails(RunHere("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--snapshot", "1", *further), 2, "--snapshot")
+
+
+def test_a_snapshot_that_cannot_be_written_ends_no_render(tmp_path):
+    stage, output = WriteStage(tmp_path), tmp_path / "o.exr"
+    (tmp_path / "o_part.exr").mkdir()
+    result = RunHere("record", stage, output, *_LONG, "--snapshot", "0.05")
+    assert result.code == 0 and not result.errors, result.text
+    assert any("--snapshot" in line and "o_part.exr" in line for line in result.warnings), result.text
+    assert output.exists()

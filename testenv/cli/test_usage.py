@@ -22,6 +22,7 @@ from cliCase import SCENE, SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--imageHeight", "100000"], "--imageHeight"),
     (["record", "a.usda", "b.exr", "-w", "ten"], "'ten' is not a whole number"),
     (["record", "a.usda", "b.exr", "--samples", "0"], "--samples"),
+    (["record", "a.usda", "b.exr", "--mask", ","], "--mask: no paths"),
     (["record", "a.usda", "b.exr", "--maxDepth", "-1"], "--maxDepth"),
     (["record", "a.usda", "b.exr", "--seed", "-1"], "--seed"),
     (["record", "a.usda", "b.exr", "--time", "nan"], "--time"),

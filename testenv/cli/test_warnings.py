@@ -59,3 +59,11 @@ def test_line_breaks_in_names_break_no_line(tmp_path):
     folder.mkdir()
     result = Run("record", WriteStage(folder, ""), tmp_path / "o.exr", *SMALL)
     assert result.code == 0 and not result.errors and [line for line in result.warnings if "two lines" in line], result.text
+
+
+def test_a_layer_that_cannot_be_read_is_one_line(tmp_path):
+    (tmp_path / "broken.usda").write_text("#usda 1.0\ndef Mesh \"M\" { float a = }\n")
+    stage = tmp_path / "s.usda"
+    stage.write_text("#usda 1.0\n(\n    subLayers = [@./broken.usda@]\n)\ndef Sphere \"Ball\" {}\n")
+    ofUsd = [line for line in Run("info", stage).warnings if line.startswith("USD: ")]
+    assert len(ofUsd) == 1 and "broken.usda" in ofUsd[0] and ofUsd[0].endswith("; skipping."), ofUsd

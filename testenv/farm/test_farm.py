@@ -11,12 +11,13 @@ from types import SimpleNamespace
 import exrFile
 import numpy as np
 import pytest
+from pxr import Ar
 
 from cliCase import ANIMATED, SECONDS, AssertFails, Command, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
 from farmCluster import Cluster
 from hdstream import _core, farmWork
-from hdstream.farm import CommandError, _CheckWorkers, _Farm
+from hdstream.farm import CommandError, _CheckWorkers, _Farm, _MakeTravel
 from hdstream.frameJob import Frame, Job, ProgramOf
 
 
@@ -277,6 +278,34 @@ def test_a_worker_without_hdstream_that_joins_is_a_line():
     farm._distributed = SimpleNamespace(KilledWorker=KeyError, CancelledError=KeyError)
     with pytest.raises(CommandError, match="a worker has no hdstream"):
         farm._ResultOf(SimpleNamespace(result=Raise))
+
+
+def test_files_that_fail_a_worker_are_named(monkeypatch):
+    """What is raised would be taken for a lost scheduler."""
+    def Fail(*_):
+        raise PermissionError(13, "Permission denied", "/nowhere/o.exr")
+
+    monkeypatch.setattr(farmWork, "_Worker", lambda: SimpleNamespace(address="tcp://b"))
+    monkeypatch.setattr(farmWork, "_WriterOf", Fail)
+    result = farmWork.RenderFrame("job", Job("none.usda"), Frame(1.0, "none.exr"))
+    assert result == {"error": "worker tcp://b: /nowhere/o.exr: Permission denied", "isUsage": False}
+
+
+def test_paths_of_a_job_are_those_of_the_client(tmp_path, monkeypatch):
+    """The cache's too, and a stage that the resolver finds elsewhere."""
+    stage = WriteStage(tmp_path, ANIMATED)
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    job = Job("../" + stage.name, settings={"cacheDirectory": "cache", "samples": 2})
+    _MakeTravel(job)
+    assert job.stage == str(stage) and job.settings == {"cacheDirectory": str(tmp_path / "work" / "cache"), "samples": 2}
+    monkeypatch.setattr(Ar, "GetResolver", lambda: SimpleNamespace(Resolve=lambda name: tmp_path / name))
+    job = Job(stage.name)
+    _MakeTravel(job)
+    assert job.stage == str(stage) and job.settings == {}
+    job = Job("asset://shot.usd")
+    _MakeTravel(job)
+    assert job.stage == "asset://shot.usd"
 
 
 def test_a_worker_that_dies_while_it_is_asked_is_left_out():

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from cliCase import ANIMATED, SECONDS, Run, RunHere, WriteStage
+from cliCase import ANIMATED, SECONDS, AssertFails, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
 from hdstream.resume import AssetHashes
 
@@ -93,6 +93,36 @@ def test_other_kernels_make_other_frames(stage, tmp_path):
     file = kernels / "film" / "film.cl"
     file.write_text(file.read_text() + "/* another */\n")
     assert not IsThereWith(own)
+
+
+_CONFIG = """ocio_profile_version: 2
+roles: {{default: linear, scene_linear: linear}}
+displays: {{d: [!<View> {{name: v, colorspace: linear}}]}}
+active_displays: []
+active_views: []
+colorspaces:
+  - !<ColorSpace> {{name: linear}}
+  - !<ColorSpace> {{name: camera, to_scene_reference: !<ExponentTransform> {{value: {}}}}}
+"""
+
+
+def test_another_color_configuration_makes_other_frames(tmp_path):
+    """At one path, where it now says that a space is another one."""
+    stage = WriteStage(tmp_path, ANIMATED.replace("intensity = 1", 'intensity = 1\n    color3f inputs:color = (0.5, 0.5, 0.5) '
+                                                  '(colorSpace = "camera")\n'))
+    config, output = tmp_path / "config.ocio", tmp_path / "o.exr"
+
+    def IsThereWith(exponents):
+        config.write_text(_CONFIG.format(exponents))
+        result = Run("record", stage, output, *RESUME, "--samples", 2, environment={"OCIO": str(config)})
+        assert result.code == 0 and not result.errors, result.text
+        return IsThere(result)
+
+    assert not IsThereWith("[2, 2, 2, 1]")
+    first = output.read_bytes()
+    assert IsThereWith("[2, 2, 2, 1]"), "written again, and the same"
+    assert not IsThereWith("[3, 3, 3, 1]")
+    assert output.read_bytes() != first
 
 
 def test_frames_that_the_edit_does_not_reach_stay(stage, tmp_path):
@@ -238,6 +268,13 @@ def test_a_picture_that_could_not_be_written_is_not_there(stage, tmp_path, monke
     output.write_bytes((tmp_path / "o.png").read_bytes() + b"\0")
     assert not IsThere(Record(stage, output, 4)), "somebody else's file is none"
     assert output.read_bytes() == whole.read_bytes()
+
+
+def test_sums_that_cannot_be_written_cost_no_picture(stage, tmp_path):
+    output = tmp_path / "o.exr"
+    (tmp_path / "o.exr.sums").mkdir()
+    AssertFails(RunHere("record", stage, output, *RESUME, "--samples", 4), 1, "o.exr.sums")
+    assert IsThere(Record(stage, output, 4))
 
 
 def test_damaged_sums_are_none(tmp_path):

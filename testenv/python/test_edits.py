@@ -233,3 +233,38 @@ rel material:binding = </World/Looks/Red>
     whole.Update(1.0)
     assert session.Dump() == fresh.Dump()
     assert session.Scene().geometry["/Above/Mesh"].materialPath == "/World/Looks/Red"
+
+
+_SHARED = """def Material "Owner" {
+    color3f inputs:tint = (1, 0, 0)
+    def Shader "Texture" { uniform token info:id = "UsdUVTexture"
+        float4 inputs:fallback = (1, 0, 0, 1)
+        float3 outputs:rgb }
+    def Material "Inner" { def Shader "Texture" { uniform token info:id = "UsdUVTexture"
+        float4 inputs:fallback = (1, 0, 0, 1)
+        float3 outputs:rgb } } }
+def Material "Heir" { token outputs:surface.connect = </Heir/Surface.outputs:surface>
+    def Shader "Surface" { uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </Owner/Texture.outputs:rgb>
+        color3f inputs:emissiveColor.connect = </Owner.inputs:tint>
+        color3f inputs:specularColor.connect = </Owner/Inner/Texture.outputs:rgb>
+        token outputs:surface } }
+def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </Heir> }
+"""
+
+
+@pytest.mark.parametrize("attribute, value", [
+    ("/Owner/Texture.inputs:fallback", Gf.Vec4f(0, 1, 0, 1)), ("/Owner.inputs:tint", Gf.Vec3f(0, 1, 0)),
+    ("/Owner/Inner/Texture.inputs:fallback", Gf.Vec4f(0, 1, 0, 1))])
+def test_a_material_with_nodes_of_another_follows_them(attribute, value, tmp_path):
+    """Though that other one is bound to nothing."""
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + _SHARED)))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    before = session.Dump()
+    for edited in (value, type(value)(0.5)):  # a second edit finds what the first left
+        stage.GetAttributeAtPath(attribute).Set(edited)
+        assert translation.Update(1.0) == 1
+        fresh, whole = SessionOf(stage)
+        whole.Update(1.0)
+        assert before != session.Dump() == fresh.Dump()

@@ -47,6 +47,9 @@ def WarningsOf(text):
     (f'def Mesh "M" {{ {TRIANGLE}\nint subdivisionScheme = 1\nfloat2 orientation = (0, 1) }}',
      "/M: cannot be read: orientation cannot be a float2; subdivisionScheme cannot be a int"),
     (f'def Mesh "M" {{ {TRIANGLE}\nfloat[] purpose = [1] }}', "/M: cannot be read: purpose cannot be a float[]"),
+    (f'def Mesh "M" {{ {TRIANGLE}\ndouble holeIndices = inf }}', "/M: cannot be read: holeIndices cannot be a double"),
+    (f'def Mesh "M" {{ {TRIANGLE}\nuint64 cornerIndices = 18446744073709551615 }}',
+     "/M: cannot be read: cornerIndices cannot be a uint64"),
     ('def Sphere "S" { string radius = "x" }', "/S: cannot be read: radius cannot be a string"),
     ('def NurbsCurves "N" { point3f[] points = [(0, 0, 0), (1, 0, 0)]\nint[] curveVertexCounts = [2]\nint[] order = [2]\n'
      'float knots = 1 }', "/N: cannot be read: knots cannot be a float"),

@@ -55,6 +55,9 @@ def Main(arguments=None):
     for word in arguments:
         if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
             parser.error(f"{ascii(word)}: neither OpenUSD nor image files can have names that are not UTF-8")
+    folder = _WorkingFolder()
+    if not folder.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in folder):
+        parser.error(f"the working folder {ascii(folder)}: OpenUSD can open nothing in folders whose names are not UTF-8")
     if not args.name:
         parser.error("no COMMAND: record renders a stage; hdstream --help lists all")
     try:
@@ -76,6 +79,13 @@ def Main(arguments=None):
         return _Fail(args, OneLine(where + (error.strerror or str(error))), EXIT_FAILURE)
     except Exception as error:  # pylint: disable=broad-except
         return _FailUnexpected(args, error)
+
+
+def _WorkingFolder():
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""  # it is gone; absolute paths are found all the same
 
 
 def _Fail(args, message, exitCode):

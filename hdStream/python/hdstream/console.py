@@ -10,7 +10,7 @@ _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))  # by descriptor
 
 def OpenStreams():
     """Opens those that the caller has closed on the null device. Else the next files have their numbers, and what libraries print
-    on them goes into a picture."""
+    on them goes into a picture. Letters that the locale lacks are escaped in what is said."""
     for number, (name, mode) in enumerate(_STREAMS):
         try:
             os.fstat(number)
@@ -18,6 +18,8 @@ def OpenStreams():
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # gets the lowest free number, which is this one
         if getattr(sys, name) is None:
             setattr(sys, name, open(number, mode, encoding="utf-8", errors="backslashreplace", closefd=False))  # pylint: disable=consider-using-with
+        elif mode == "w" and hasattr(getattr(sys, name), "reconfigure"):
+            getattr(sys, name).reconfigure(errors="backslashreplace")
 
 
 def Say(line):

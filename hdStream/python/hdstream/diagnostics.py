@@ -18,6 +18,7 @@ _UNOPENED = re.compile(r"Could not open asset @([^@]*\.mtlx)@", re.IGNORECASE)
 _PRIM = re.compile(r"^In <([^>]*)>: *(.*)$")
 _NOT_APPLIED = re.compile(r"^Found material bindings on prim at path \((.*)\) but MaterialBindingAPI is not applied on the prim$")
 _CYCLE = re.compile(r"Cycle detected:.*?(?= *\((?:instantiating|recomposing) |$)", re.DOTALL)  # each place on a line of its own
+_GOES_ON = re.compile(r"\s*\n; ")  # after what the reader of a layer has said
 _SESSION_LAYER = re.compile(r"@,@anon:[^@]*@")
 _ORIGIN = re.compile(r" *\((?:instantiating|recomposing)[^()]*stage on stage @[^@]*@ <[^>]*>\)\.?$")
 
@@ -33,7 +34,8 @@ class Diagnostics:
         MaterialBindingAPI, of which older exporters write a stage full, as one."""
         found, notApplied = {}, set()
         for diagnostic in self._delegate.TakeUncoalescedDiagnostics():
-            for line in _CYCLE.sub(_OneLineOfCycle, str(diagnostic.commentary)).splitlines():
+            text = _GOES_ON.sub("; ", str(diagnostic.commentary))
+            for line in _CYCLE.sub(_OneLineOfCycle, text).splitlines():
                 entry = _Parse(line.strip())
                 if entry is None or _IsOutdated(entry[1]):
                     continue

@@ -13,6 +13,8 @@ import sys
 import time
 import uuid
 
+from pxr import Ar
+
 from hdstream import _core, farmWork
 from hdstream.console import Say, SayError
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError, UsageError
@@ -43,8 +45,7 @@ def RunOnFarm(args, interruption):
         frame.statsFile = frame.statsFile and _Absolute(frame.statsFile)
         for output in frame.outputs:
             output.file = _Absolute(output.file)
-    job.stage = _Absolute(job.stage)
-    job.program = ProgramOf()
+    _MakeTravel(job)
     progress = ProgressBar(args.quiet)
     warn = WarningPrinter(progress, args.verbose)
     for warning in warnings:
@@ -331,6 +332,14 @@ def _CheckWorkers(client, job, args):
             raise CommandError(f"worker {address}: {answer['error']}", EXIT_USAGE if job.settings.get("device") else 1)
         devices.add(answer["device"])
     return len(answers), devices
+
+
+def _MakeTravel(job):
+    """Says what workers, with working folders of their own, need to know of a job."""
+    job.stage = _Absolute(job.stage if "://" in job.stage else str(Ar.GetResolver().Resolve(job.stage)) or job.stage)
+    if job.settings.get("cacheDirectory"):
+        job.settings["cacheDirectory"] = _Absolute(job.settings["cacheDirectory"])
+    job.program = ProgramOf()
 
 
 def _Absolute(file):

@@ -172,6 +172,9 @@ def _Do(jobId, job, work):
         except (_core.Error, CommandError) as error:
             isUsage = isinstance(error, _core.UsageError) or getattr(error, "exitCode", None) == EXIT_USAGE
             return {"error": str(error), "isUsage": isUsage}
+        except OSError as error:  # the client takes those that are raised for a lost scheduler
+            file = f"{error.filename}: " if error.filename else ""
+            return {"error": f"worker {address}: {file}{error.strerror or error}", "isUsage": False}
         _Tell(jobId, 1.0)
         device = _core.FindDevice(job.settings.get("device", "")).name
         origin = {"worker": address, "program": program, "device": device}

@@ -2,12 +2,14 @@
 """Frames of one stage written to files: what `hdstream record` does here and what a farm's workers do."""
 
 import dataclasses
+import functools
 import hashlib
 import json
 import os
 from typing import Any, Dict, Optional, Tuple
 
 from hdstream import _core, filmSums
+from hdstream.errors import CommandError
 from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
 from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, SamplesSaid, SayDone, TextsOf
@@ -91,30 +93,45 @@ class FrameWriter:
         """Writes picture, sums and statistics; returns False for a picture without a whole sample, which is not written."""
         settings = self.renderer.settings
         done = settings["samples"] if image.isComplete else image.samples
-        self._SaveSums(frame, image)  # before the picture: where that cannot be written, they are not lost
+        outputs = self._OutputsOf(frame) if image.samples > 0 else ()
+        writes = [lambda: self._SaveSums(frame, image)]  # first: where a picture cannot be written, they are not lost
+        writes += [functools.partial(self._WriteDone, image, output, done) for output in outputs]
+        errors = []
+        for write in writes:
+            try:
+                write()
+            except (_core.Error, CommandError) as error:  # costs no other file its picture
+                errors.append(error)
+        if errors:
+            raise errors[0]
         if image.samples == 0:
             return False
-        outputs = self._OutputsOf(frame)
-        for output in outputs:
-            isExr = _IsExr(output.file)
-            texts = TextsOf(self._KeyOfFile(output), done) if self._job.resumes and isExr else {}
-            left = self._Write(image, output, output.file, texts)
-            if self._job.resumes and not isExr:
-                SayDone(output.file, self._KeyOfFile(output), done)
-            if left:
-                self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
         if self._job.snapshotSeconds > 0.0:
             RemoveParts(output.file for output in outputs)
         if frame.statsFile:
             WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
         return True
 
+    def _WriteDone(self, image, output, done):
+        """Writes a file of a frame that has `done` samples, and what `--resume` knows it by."""
+        isExr = _IsExr(output.file)
+        texts = TextsOf(self._KeyOfFile(output), done) if self._job.resumes and isExr else {}
+        left = self._Write(image, output, output.file, texts)
+        if self._job.resumes and not isExr:
+            SayDone(output.file, self._KeyOfFile(output), done)
+        if left:
+            self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
+
     def _WriteSnapshot(self, frame):
+        """What cannot be written now is a warning: the render, which may have taken hours, goes on."""
         image = self.renderer.ImageSoFar()
-        self._SaveSums(frame, image)
-        for output in self._OutputsOf(frame):
-            if not output.isDeep:  # what is deep is known at the end
-                self._Write(image, output, PartFileOf(output.file), {})
+        try:
+            self._SaveSums(frame, image)
+            for output in self._OutputsOf(frame):
+                if not output.isDeep:  # what is deep is known at the end
+                    self._Write(image, output, PartFileOf(output.file), {})
+        except (_core.Error, CommandError) as error:
+            self.renderer.Warn("--snapshot", str(error))
 
     def _OutputsOf(self, frame):
         """The files of a prepared frame."""

@@ -21,6 +21,8 @@ def CheckArguments(args):
             raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME, lpe:EXPRESSION, lightGroup:NAME, variance:NAME of light")
     if args.aovs is not None and not args.aovs:
         raise UsageError("--aovs: no names")
+    if args.mask is not None and not args.mask:
+        raise UsageError("--mask: no paths")
     if args.aovs:
         _core.CheckAovs(list(args.aovs))
     FindDenoiser()
@@ -77,7 +79,7 @@ def FramesToPrepare(args, stage, warn):
     if args.output is None and HasProducts(stage, SettingsPathOf(stage, args.renderSettingsPrimPath, args.renderPassPrimPath,
                                                                  _Session(warn)), _Session(warn)):
         return _FramesOfProducts(args, stage, warn)
-    timeCodes = ParseFrames(args.frames)[0] if args.frames else [StartTimeOf(stage, args.defaultTime)]
+    timeCodes = ParseFrames(args.frames)[0] if args.frames is not None else [StartTimeOf(stage, args.defaultTime)]
     return [Frame(timeCode, "") for timeCode in timeCodes]
 
 
@@ -116,7 +118,7 @@ def _FramesOfProducts(args, stage, warn):
     if args.stats and (len(pictures) > 1 or args.frames):
         raise UsageError("--stats: one file cannot hold the statistics of several pictures; say OUT")
     frames, productOf = [], {}
-    timeCodes = ParseFrames(args.frames)[0] if args.frames else [StartTimeOf(stage, args.defaultTime)]
+    timeCodes = ParseFrames(args.frames)[0] if args.frames is not None else [StartTimeOf(stage, args.defaultTime)]
     for timeCode in timeCodes:
         for picture in pictures:
             outputs = picture.OutputsAt(timeCode)

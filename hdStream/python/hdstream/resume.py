@@ -2,9 +2,9 @@
 """`--resume`: which frames are there already, judged by what they were made of and never by dates of files.
 
 The key of a frame is a hash of the translated scene, of the bytes of the images, profiles and volumes it reads, of the
-settings that decide its bits, and of the program's version and kernels. It is in the sidecar with the frame's sums. Hashed
-together with what decides the bits of a file alone it says that the file is finished: in the header of an .exr, and beside
-a file of another format, with a hash of that file's bytes.
+settings that decide its bits, of the colour configuration, and of the program's version and kernels. It is in the sidecar
+with the frame's sums. Hashed together with what decides the bits of a file alone it says that the file is finished: in the
+header of an .exr, and beside a file of another format, with a hash of that file's bytes.
 """
 
 import glob
@@ -70,7 +70,8 @@ def KeyOf(renderer, assetHashes):
     withoutBits = _WithoutBits()
     values = {name: value for name, value in renderer.settings.items() if name not in withoutBits}
     digest = hashlib.blake2b(digest_size=16)
-    for text in (_core.VERSION, _core.KernelSourceHash(), renderer.SceneText(), json.dumps(values, sort_keys=True)):
+    for text in (_core.VERSION, _core.KernelSourceHash(), _core.ColorConfigIdentity(), renderer.SceneText(),
+                 json.dumps(values, sort_keys=True)):
         digest.update(text.encode() + b"\0")
     for file in renderer.AssetFiles():
         digest.update(f"{file}\0{assetHashes.Of(file)}\0".encode())

@@ -76,9 +76,12 @@ class MaterialReader:
         self._timeCode = timeCode
         self._assets = assets
         self._warn = warn
+        self.borrowed = {}  # path of a material -> paths of prims outside of it that its network was read from
+        self._inside = ""   # what paths inside of the material begin with
 
     def Read(self, prim):
         """The network of a material; without terminals when it has none of a context that is read."""
+        self._inside = f"{prim.GetPath()}/"
         material = UsdShade.Material(prim)
         terminals = {}
         nodes = {}
@@ -115,7 +118,13 @@ class MaterialReader:
             self._warn(material.GetPrim(), f"surface shader {identifier} is not supported; {_CONTEXTS[drawn]} is used")
         return found[drawn]
 
+    def _NoteOrigin(self, prim):
+        path = prim.GetPath().pathString
+        if not path.startswith(self._inside) and path != self._inside[:-1]:
+            self.borrowed.setdefault(self._inside[:-1], set()).add(path)
+
     def _ReadNode(self, prim, pending):
+        self._NoteOrigin(prim)
         shader = UsdShade.Shader(prim)
         parameters = {}
         connections = {}
@@ -134,6 +143,7 @@ class MaterialReader:
         return _core.MaterialNode(prim.GetPath().pathString, shader.GetShaderId() or "", parameters, connections)
 
     def _ReadParameter(self, attribute, name, parameters):
+        self._NoteOrigin(attribute.GetPrim())
         value = attribute.Get(self._timeCode)
         if value is None:
             return

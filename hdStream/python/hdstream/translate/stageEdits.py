@@ -40,6 +40,7 @@ class StageTranslation:
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
         self._materialPaths = set()
+        self._borrowed = {}  # path of a material -> paths of prims outside of it that it was read from
         self._mappedLayers = rereading.MappedLayers()
         self._hasInstancers = False
         self._hasPlacedLights = False  # a light may be a prototype, too, which has copies
@@ -101,6 +102,7 @@ class StageTranslation:
         translator = self._NewTranslator()
         translator.Translate()
         self._materialPaths = translator.materialPaths
+        self._borrowed = translator.borrowed
         self._mappedLayers = translator.mappedLayers
         scene = self._session.Scene()
         self._hasInstancers, self._hasPlacedLights = scene.hasInstancers, scene.hasPlacedLights
@@ -140,13 +142,10 @@ class StageTranslation:
         prim = self._stage.GetPrimAtPath(path)
         if prim.GetTypeName() in _RENDER:
             return 0
-        translator = self._NewTranslator()
         material = _MaterialOf(prim)
         if material:
-            if material.GetPath().pathString not in self._materialPaths:
-                return 0  # bound to nothing that is drawn
-            translator.TranslateMaterial(material)
-            return 1
+            return self._TranslateMaterials(material.GetPath().pathString)
+        translator = self._NewTranslator()
         kept = {}
         scene = self._session.Scene()
         isBelow = scene.PathsBelow(path.pathString)
@@ -157,7 +156,19 @@ class StageTranslation:
             self._session.Remove(found)
         translator.TranslateBelow(prim, _Ancestors(prim), kept)
         self._materialPaths.update(translator.materialPaths)
+        self._borrowed.update(translator.borrowed)
         return translator.numPrims
+
+    def _TranslateMaterials(self, edited):
+        """A material, and those that have nodes of it, as far as they are bound to what is drawn."""
+        paths = [path for path in self._materialPaths if f"{edited}/".startswith(f"{path}/") or any(
+            f"{origin}/".startswith(f"{edited}/") for origin in self._borrowed.get(path, ()))]
+        for path in paths:
+            self._borrowed.pop(path, None)
+            translator = self._NewTranslator()
+            translator.TranslateMaterial(self._stage.GetPrimAtPath(path))
+            self._borrowed.update(translator.borrowed)
+        return len(paths)
 
 
 def _IsPlacing(name):

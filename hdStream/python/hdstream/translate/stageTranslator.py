@@ -7,6 +7,7 @@ walked and turned into instancers after it. Materials are found for all geometry
 
 import gc
 
+import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
@@ -53,6 +54,7 @@ class StageTranslator:
                                       self._reports)
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
+        self.borrowed = {}  # as of MaterialReader
         self.mappedLayers = rereading.MappedLayers()
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = PrimHandlers(self, self._instancers, session, self._timeCode, self._motion, self._assets, self._links,
@@ -94,8 +96,9 @@ class StageTranslator:
         return self._links.areUsed
 
     def _Translate(self, prims, state):
-        self.Walk(prims, state, Context())
-        self._SetMaterials({**self._handlers.volumeMaterials, **self._batch.Flush()})
+        with np.errstate(over="ignore", invalid="ignore"):  # of values of types that schemas do not have; the core names what is wrong
+            self.Walk(prims, state, Context())
+            self._SetMaterials({**self._handlers.volumeMaterials, **self._batch.Flush()})
         self._End()
 
     def _End(self):
@@ -109,6 +112,7 @@ class StageTranslator:
         for path, prim in primByPath.items():
             self._session.SetMaterial(path, reader.Read(prim))
         self.materialPaths.update(primByPath)
+        self.borrowed.update(reader.borrowed)
 
     # --- Traversal -------------------------------------------------------------------------------
 
@@ -123,7 +127,7 @@ class StageTranslator:
             prim, inherited = stack.pop()
             try:
                 state = self._Visit(prim, inherited, context)
-            except (Tf.ErrorException, TypeError, ValueError, IndexError) as error:
+            except (Tf.ErrorException, TypeError, ValueError, IndexError, OverflowError) as error:
                 self._reports.Warn(prim, f"cannot be read: {'; '.join(self._CausesOf(error, prim))}")
                 state = inherited
             if state is not None:
@@ -139,7 +143,7 @@ class StageTranslator:
     def _CausesOf(self, error, prim):
         """Why a prim cannot be read. What bindings and numpy say comes from values of types that schemas do not have."""
         isIndex = isinstance(error, IndexError)
-        if isIndex or "incompatible function arguments" in str(error):
+        if isIndex or isinstance(error, OverflowError) or "incompatible function arguments" in str(error):
             mistyped = MistypedValues(prim, self._timeCode)
             if mistyped:
                 return mistyped
