@@ -87,10 +87,10 @@ void MarkSheens(ClosureSlabs* slabs) {
             const ShaderValue positive =
                 MakeMath(HDS_MATH_MAX,
                          {ValueOf(slab.layered, HDS_INPUT_SHEEN_ROUGHNESS), MakeScalar(0.0F)}, 1);
+            const ShaderValue inRange = MakeMath(HDS_MATH_MIN, {positive, MakeScalar(1.0F)}, 1);
             const float mark =
                 HasFlag(slab, HDS_MATERIAL_SHEEN_OVER) ? HDS_SHEEN_OVER_MARK : HDS_SHEEN_MARK;
-            slab.layered.values[HDS_INPUT_SHEEN_ROUGHNESS] =
-                Subtract(MakeScalar(mark), positive, 1);
+            slab.layered.values[HDS_INPUT_SHEEN_ROUGHNESS] = Subtract(MakeScalar(mark), inRange, 1);
         }
     }
 }

@@ -243,11 +243,13 @@ def test_surfaces_are_mixed_with_what_shows_them(tmp_path):
 SHEENS = {
     "diffuse": (STANDARD, dict(base=0.5, base_color=RED, specular=0.8, metalness=0.4, sheen=0.9, sheen_color=BLUE, sheen_roughness=0.5)),
     "over": (GLTF, dict(base_color=GOLD, metallic=1.0, roughness=0.5, sheen_color=(0.7, 0.5, 0.6), sheen_roughness=0.7)),
+    "rougherThanAny": (STANDARD, dict(base=0.5, base_color=RED, metalness=0.8, sheen=0.9, sheen_color=BLUE, sheen_roughness=9.0)),
     "fuzz": (OPEN_PBR, dict(base_color=GRAY, fuzz_weight=0.8, fuzz_color=GOLD, fuzz_roughness=0.4, coat_weight=0.5)),
 }
 
 
-@pytest.mark.parametrize("one, other", [("over", "diffuse"), ("diffuse", "over"), ("fuzz", "over"), ("over", "fuzz")])
+@pytest.mark.parametrize("one, other", [("over", "diffuse"), ("diffuse", "over"), ("fuzz", "over"), ("over", "fuzz"),
+                                        ("over", "rougherThanAny")])
 def test_mixed_surfaces_keep_the_places_of_their_sheens(tmp_path, one, other):
     def Mixed(stage):
         UsdShade.Material.Define(stage, "/World/Look")
