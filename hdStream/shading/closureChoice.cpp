@@ -2,6 +2,7 @@
 // How a hit chooses one of the slabs of a surface.
 #include "hdStream/shading/closureParts.h"
 #include "hdStream/shading/shaderMath.h"
+#include "kernels/shared/sheen.h"
 
 #include <algorithm>
 #include <iterator>
@@ -69,22 +70,27 @@ private:
     std::vector<LayerStack> _stacks;
 };
 
-/// Where some sheens are fuzz and others are not, the others' roughnesses say so
-/// (HDS_SHEEN_MARK).
+bool HasFlag(const ClosureSlab& slab, std::uint32_t flag) {
+    return (slab.layered.flags & flag) != 0;
+}
+
+/// Where some sheens are fuzz or lie on all but the coat, and others are or do not, the roughnesses
+/// of those that are no fuzz say so (HDS_SHEEN_MARK, HDS_SHEEN_OVER_MARK).
 void MarkSheens(ClosureSlabs* slabs) {
-    const auto isFuzz = [](const ClosureSlab& slab) {
-        return (slab.layered.flags & HDS_MATERIAL_FUZZ) != 0;
-    };
-    if (std::none_of(slabs->begin(), slabs->end(), isFuzz)) {
+    constexpr std::uint32_t kPlaces = HDS_MATERIAL_FUZZ | HDS_MATERIAL_SHEEN_OVER;
+    if (std::none_of(slabs->begin(), slabs->end(),
+                     [](const ClosureSlab& slab) { return HasFlag(slab, kPlaces); })) {
         return;
     }
     for (ClosureSlab& slab : *slabs) {
-        if (Has(slab.layered, HDS_INPUT_SHEEN) && !isFuzz(slab)) {
+        if (Has(slab.layered, HDS_INPUT_SHEEN) && !HasFlag(slab, HDS_MATERIAL_FUZZ)) {
             const ShaderValue positive =
                 MakeMath(HDS_MATH_MAX,
                          {ValueOf(slab.layered, HDS_INPUT_SHEEN_ROUGHNESS), MakeScalar(0.0F)}, 1);
-            slab.layered.values[HDS_INPUT_SHEEN_ROUGHNESS] =
-                Subtract(MakeScalar(HDS_SHEEN_MARK), positive, 1);
+            const ShaderValue inRange = MakeMath(HDS_MATH_MIN, {positive, MakeScalar(1.0F)}, 1);
+            const float mark =
+                HasFlag(slab, HDS_MATERIAL_SHEEN_OVER) ? HDS_SHEEN_OVER_MARK : HDS_SHEEN_MARK;
+            slab.layered.values[HDS_INPUT_SHEEN_ROUGHNESS] = Subtract(MakeScalar(mark), inRange, 1);
         }
     }
 }

@@ -21,6 +21,9 @@ ShaderValue Zero() {
     return MakeScalar(0.0F);
 }
 
+/// Of sheens that lie on more than the diffuse part.
+constexpr std::uint32_t kOnTop = HDS_MATERIAL_FUZZ | HDS_MATERIAL_SHEEN_OVER;
+
 /// Whether both have one roughness where it shows.
 bool HaveOneRoughness(const LayeredMaterial& metal, const LayeredMaterial& other) {
     return AreSame(metal, other, HDS_INPUT_STRETCH) && AreSame(metal, other, HDS_INPUT_FILM) &&
@@ -56,7 +59,7 @@ bool TryMergeDiffuse(const ClosureSlab& other, ClosureSlab* slab) {
 bool TryMergeMetal(const ClosureSlab& metal, const ClosureSlab& other, ClosureSlab* merged) {
     if (!IsMetal(metal.layered) || Has(other.layered, HDS_INPUT_METALLIC) ||
         Has(other.layered, HDS_INPUT_CLEARCOAT) || !IsAll(metal.factor, 1.0F) ||
-        !IsAll(other.factor, 1.0F) || (other.layered.flags & HDS_MATERIAL_FUZZ) != 0 ||
+        !IsAll(other.factor, 1.0F) || (other.layered.flags & kOnTop) != 0 ||
         !AreSame(metal.layered, other.layered, HDS_INPUT_NORMAL) ||
         !HaveOneRoughness(metal.layered, other.layered)) {
         return false;
@@ -120,8 +123,8 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
     if (!haveOneTop || !IsAll(ValueOf(a, HDS_INPUT_TRANSMISSION), 1.0F) ||
         !HasNone(a, {HDS_INPUT_METALLIC, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT}) ||
         !HasNone(b, {HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION, HDS_INPUT_CLEARCOAT}) ||
-        (b.flags & HDS_MATERIAL_FUZZ) != 0 || !IsAll(glass.factor, 1.0F) ||
-        !IsAll(other.factor, 1.0F) || !AreSame(a, b, HDS_INPUT_NORMAL)) {
+        (b.flags & kOnTop) != 0 || !IsAll(glass.factor, 1.0F) || !IsAll(other.factor, 1.0F) ||
+        !AreSame(a, b, HDS_INPUT_NORMAL)) {
         return false;
     }
     ClosureSlab both = other;

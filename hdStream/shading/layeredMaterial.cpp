@@ -11,11 +11,9 @@
 #include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceInputs.h"
 #include "hdStream/shading/thinWall.h"
-#include "kernels/shared/dispersion.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <initializer_list>
 #include <iterator>
 #include <utility>
@@ -167,18 +165,14 @@ public:
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metallic, 1));
         Set(HDS_INPUT_METALLIC, metallic);
         Set(HDS_INPUT_METAL_COLOR, color);
-        Set(HDS_INPUT_SPECULAR_WEIGHT, Read("specular"));
-        Set(HDS_INPUT_SPECULAR_COLOR, Read("specular_color"));
         Set(HDS_INPUT_IOR, Read("ior"));
+        SetGltfReflection();
         Set(HDS_INPUT_ROUGHNESS, Read("roughness"));
         Set(HDS_INPUT_TRANSMISSION, Read("transmission"));
         Set(HDS_INPUT_TRANSMISSION_COLOR, color);
         const ShaderValue distance = Read("attenuation_distance");
         SetAbsorption(Read("attenuation_color"), distance);
-        const ShaderValue sheen = Read("sheen_color");
-        Set(HDS_INPUT_SHEEN, MakeScalar(IsAll(sheen, 0.0F) ? 0.0F : 1.0F));
-        Set(HDS_INPUT_SHEEN_COLOR, sheen);
-        Set(HDS_INPUT_SHEEN_ROUGHNESS, Read("sheen_roughness"));
+        SetGltfSheen();
         Set(HDS_INPUT_CLEARCOAT, Read("clearcoat"));
         Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Read("clearcoat_roughness"));
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(Read("emissive_strength"), Read("emissive"), 3));
@@ -289,6 +283,46 @@ private:
             Multiply(Read("anisotropy_rotation"), MakeScalar(kTurnsOfRadian), 1);
         SetStretch(HDS_INPUT_STRETCH, Divide(along, alpha, 1), MakeScalar(1.0F),
                    Add(TurnsOf("tangent"), turns, 1));
+    }
+
+    /// Over all but the coat; its strongest channel is its weight.
+    void SetGltfSheen() {
+        const ShaderValue color = Read("sheen_color");
+        if (IsAll(color, 0.0F)) {
+            return;
+        }
+        ShaderValue strongest = SelectChannel(color, 0);
+        for (std::uint32_t k = 1; k < 3; ++k) {
+            strongest = MakeMath(HDS_MATH_MAX, {strongest, SelectChannel(color, k)}, 1);
+        }
+        const ShaderValue divisor = MakeMath(HDS_MATH_MAX, {strongest, MakeScalar(1e-6F)}, 1);
+        const ShaderValue roughness = Read("sheen_roughness");
+        Set(HDS_INPUT_SHEEN, strongest);
+        Set(HDS_INPUT_SHEEN_COLOR, Divide(color, divisor, 3));
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Multiply(roughness, roughness, 1));
+        _result.flags |= HDS_MATERIAL_SHEEN_OVER;
+    }
+
+    /// The colour tints what is reflected at normal incidence and not at grazing angles, and a film
+    /// lies on what the weight has scaled: both need Schlick's term, where others do without.
+    void SetGltfReflection() {
+        const ShaderValue weight = Read("specular");
+        const ShaderValue color = Read("specular_color");
+        Set(HDS_INPUT_SPECULAR_COLOR, MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 3));
+        const bool hasFilm =
+            !IsAll(Read("iridescence"), 0.0F) && !IsAll(Read("iridescence_thickness"), 0.0F);
+        if (IsAll(weight, 0.0F) || (IsAll(color, 1.0F) && (!hasFilm || IsAll(weight, 1.0F)))) {
+            Set(HDS_INPUT_SPECULAR_WEIGHT, weight);
+            return;
+        }
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue ior = Read("ior");
+        const ShaderValue root = Divide(Subtract(ior, one, 1), Add(ior, one, 1), 1);
+        const ShaderValue tinted = Multiply(color, Multiply(root, root, 1), 3);
+        Set(HDS_INPUT_SPECULAR_WEIGHT, one);
+        Set(HDS_INPUT_SCHLICK_EXPONENT, MakeScalar(5.0F));
+        Set(HDS_INPUT_SCHLICK_COLOR, Multiply(MakeMath(HDS_MATH_MIN, {tinted, one}, 3), weight, 3));
+        Set(HDS_INPUT_SCHLICK_GRAZING, weight);
     }
 
     ShaderValue TurnsOf(const char* tangent) { return EvaluateTangent(_network, _node, tangent); }
@@ -492,88 +526,6 @@ const Model* FindModel(std::string_view identifier) {
 }
 
 } // namespace
-
-void SetOwnNormal(const ShaderValue& normal, LayeredMaterial* material) {
-    if (!AreSame(normal, material->values[HDS_INPUT_NORMAL])) {
-        const ShaderValue smooth = MakeConstant({0.0F, 0.0F, 1.0F, 1.0F}, 3);
-        const ShaderValue own = normal ? normal : smooth;
-        const bool isMap = own.expression->kind == ShaderExpression::Kind::Texture; // never 0
-        const ShaderValue squared = MakeMath(HDS_MATH_DOT, {own, own}, 1);
-        const ShaderValue isOne = MakeMath(HDS_MATH_GREATER, {squared, MakeScalar(0.0F)}, 1);
-        material->values[HDS_INPUT_COAT_NORMAL] =
-            isMap ? own : MakeMath(HDS_MATH_SELECT, {isOne, own, smooth}, 3);
-    }
-}
-
-void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material) {
-    material->values[HDS_INPUT_METAL_COLOR] = color;
-    material->values[HDS_INPUT_EDGE_COLOR] = Subtract(MakeScalar(-1.0F), edge, 3);
-    material->lobes |= HDS_LOBE_CONDUCTOR;
-}
-
-std::uint32_t DispersionFlags(const LayeredMaterial& material) {
-    constexpr float kLeast = 1.0F / (1U << 14U);
-    constexpr float kMost = 2.0F - 1.0F / (1U << 10U);
-    if ((material.lobes & HDS_LOBE_TRANSMISSION) == 0 || !(material.dispersion > kLeast)) {
-        return 0;
-    }
-    const float limited = std::min(material.dispersion, kMost);
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &limited, sizeof(bits));
-    constexpr std::uint32_t kHalf = 1U << (HDS_DISPERSION_CUT - 1U); // it is rounded
-    const std::uint32_t kept = (bits - HDS_DISPERSION_FIRST + kHalf) >> HDS_DISPERSION_CUT;
-    return kept << HDS_MATERIAL_DISPERSION_SHIFT;
-}
-
-void FinishLayered(LayeredMaterial* material) {
-    std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS>& values = material->values;
-    const auto has = [&](std::uint32_t input) {
-        return values[input] && !IsAll(values[input], 0.0F);
-    };
-    const std::uint32_t conductor =
-        has(HDS_INPUT_METALLIC) ? material->lobes & HDS_LOBE_CONDUCTOR : 0U;
-    const bool isSchlicks = has(HDS_INPUT_SPECULAR_WEIGHT) && values[HDS_INPUT_SCHLICK_EXPONENT];
-    material->lobes = HDS_LOBE_BASE | conductor | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
-                      (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
-                      (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
-                      (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
-                      (isSchlicks ? HDS_LOBE_SCHLICK : 0U) |
-                      (has(HDS_INPUT_RETRO) ? HDS_LOBE_RETRO : 0U) |
-                      (has(HDS_INPUT_COVER) ? HDS_LOBE_COVERED : 0U) |
-                      (has(HDS_INPUT_CLEARCOAT) &&
-                               (values[HDS_INPUT_COAT_NORMAL] || values[HDS_INPUT_COAT_STRETCH])
-                           ? HDS_LOBE_COAT_FRAME
-                           : 0U) |
-                      (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
-                      (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
-                           ? HDS_LOBE_TRANSLUCENCY
-                           : 0U);
-    constexpr std::uint32_t kFrosted = HDS_MATERIAL_THIN_WALLED | HDS_MATERIAL_FROSTED;
-    if ((material->lobes & HDS_LOBE_TRANSMISSION) != 0 &&
-        (material->flags & kFrosted) == kFrosted) {
-        material->lobes |= HDS_LOBE_FROST;
-    }
-    if (values[HDS_INPUT_HAIR] && IsAll(values[HDS_INPUT_HAIR], 1.0F)) {
-        material->lobes = 0; // nothing else, whatever is chosen
-    }
-    // What belongs to lobes that are not there would only make programs longer.
-    const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
-        for (const std::uint32_t input : inputs) {
-            values[input] = (material->lobes & lobe) != 0 ? values[input] : ShaderValue{};
-        }
-    };
-    drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
-                         HDS_INPUT_COAT_TINT, HDS_INPUT_COAT_NORMAL, HDS_INPUT_COAT_STRETCH});
-    drop(HDS_LOBE_SCHLICK, {HDS_INPUT_SCHLICK_EXPONENT, HDS_INPUT_SCHLICK_COLOR,
-                            HDS_INPUT_SCHLICK_GRAZING, HDS_INPUT_SCHLICK_EDGE});
-    drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
-    drop(HDS_LOBE_TRANSMISSION, {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR,
-                                 HDS_INPUT_ABSORPTION, HDS_INPUT_SCATTERING});
-    if (!has(HDS_INPUT_METALLIC)) {
-        values[HDS_INPUT_METAL_COLOR] = {};
-        values[HDS_INPUT_EDGE_COLOR] = {};
-    }
-}
 
 bool IsLayered(const std::string& identifier) {
     return FindModel(identifier) != nullptr || IsClosureSurface(identifier);

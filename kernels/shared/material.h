@@ -33,12 +33,16 @@ enum {
 #define HDS_MATERIAL_THIN_WALLED 128u /* what it transmits is not bent */
 #define HDS_MATERIAL_FUZZ 256u        /* the sheen lies on top of the coat */
 #define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
-#define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
-#define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
-#define HDS_MATERIAL_HAIR 4096u       /* hair, or hair by chance (HDS_INPUT_HAIR) */
-#define HDS_MATERIAL_GLASS 8192u      /* shadow rays pass where it refracts and is smooth */
-#define HDS_MATERIAL_SPLAT 16384u     /* of Gaussian splats: opacity and emission are theirs */
-#define HDS_MATERIAL_DEGREE_SHIFT 15  /* 2 bits: the degree of their spherical harmonics */
+#define HDS_MATERIAL_PRESENCE 1024u   /* of a UsdPreviewSurface: opacityMode presence */
+/* Of layered surfaces: the sheen lies on all but the coat, on metal too, not on what is diffuse
+ * alone. Where a hit chooses from closures with sheens of several kinds, their roughnesses say
+ * which they are (shared/sheen.h). */
+#define HDS_MATERIAL_SHEEN_OVER 1024u
+#define HDS_MATERIAL_MEDIUM 2048u    /* light is scattered below the surface */
+#define HDS_MATERIAL_HAIR 4096u      /* hair, or hair by chance (HDS_INPUT_HAIR) */
+#define HDS_MATERIAL_GLASS 8192u     /* shadow rays pass where it refracts and is smooth */
+#define HDS_MATERIAL_SPLAT 16384u    /* of Gaussian splats: opacity and emission are theirs */
+#define HDS_MATERIAL_DEGREE_SHIFT 15 /* 2 bits: the degree of their spherical harmonics */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */
@@ -59,10 +63,6 @@ enum {
 #define HDS_LOBES_RARE 6912u /* those that HDS_RARE_INPUT is for */
 /* Those that are known to the form of one path alone (HDS_SHADE_WIDE). */
 #define HDS_LOBES_ALONE (HDS_LOBE_FILM | HDS_LOBE_SCHLICK)
-
-/* Of closures that a hit chooses from some may have a fuzz and others a sheen: the roughness of a
- * sheen is taken from this then. */
-#define HDS_SHEEN_MARK -8.0f
 
 /* What lies on a closure that a hit has chosen: so many are looked at (HDS_LOBE_COVERED). */
 #define HDS_MAX_COVERS 32

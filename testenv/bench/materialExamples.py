@@ -9,7 +9,9 @@ resources/Images. Each material is drawn on a ball below a sky and a wide sun, t
 hdStream has built in, and with the closures that the shader's definition is made of (NG_standard_surface_surfaceshader_100,
 NG_open_pbr_surface_surfaceshader, ...). Printed, of means of 8 x 8 pixels and of each colour: the largest difference over
 the built-in picture, what of that block is noise (one standard deviation, by renders of other seeds), and the difference of the whole
-picture. UsdPreviewSurface is left out: its definition is OpenUSD's text, not MaterialX's node graph. The exit code is 1 where a block differs by more than 2 % and by more than three times its noise.
+picture. The definition of UsdPreviewSurface is OpenUSD's text, not MaterialX's node graph: materials of files leave it out, and
+random ones are put beside its formula, integrated in double precision (render/previewBall.py). The exit code is 1 where a block
+differs by more than 2 % and by more than three times its noise.
 """
 
 import argparse
@@ -24,11 +26,14 @@ builtPackage.PutOnPath()
 import numpy as np  # noqa: E402
 
 import ours  # noqa: E402
+import previewBall  # noqa: E402
+from pxr import Gf  # noqa: E402
 from stages import author, imageFile, randomMaterials, surfaceGraphs  # noqa: E402
 from stages.materialX import Ball  # noqa: E402
 
 SIZE, BLOCK, SEEDS = 64, 8, 4
 LIMIT = 0.02
+SKY, SUN, SUN_ANGLE, SUN_TURN = 0.5, 4.0, 50.0, (-30, 40, 0)
 
 
 def Pictures(layer, name: str, samples: int, kernels: str = "auto"):
@@ -38,12 +43,19 @@ def Pictures(layer, name: str, samples: int, kernels: str = "auto"):
         stage = author.NewStage(path)
         material = surfaceGraphs.CopyMaterial(layer, name, stage, "/World/Look")
         author.AddMesh(stage, "/World/Ball", Ball(1.0), material=material, rotate=(20, -70, 0))
-        author.AddLight(stage, "/World/Sky", "Dome", intensity=0.5)
-        author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 40, 0)), angle=50.0, intensity=4.0)
+        author.AddLight(stage, "/World/Sky", "Dome", intensity=SKY)
+        author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=SUN_TURN), angle=SUN_ANGLE, intensity=SUN)
         author.AddCamera(stage, eye=(0, 0, 10), width=20.0, aspect=1.0, orthographic=True)
         stage.GetRootLayer().Save()
         renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed, kernels=kernels) for seed in range(SEEDS)]
     return np.stack([render.rgb for render in renders]), renders[0].warnings
+
+
+def FormulaPictures(inputs: dict):
+    """[seed][height][width][channel] of a UsdPreviewSurface on the ball, by its formula."""
+    x, y, z = (Gf.Rotation(axis, degrees) for axis, degrees in zip(np.eye(3).tolist(), SUN_TURN))
+    toSun = np.array((x * y * z).TransformDir(Gf.Vec3d(0, 0, 1)))
+    return np.stack([previewBall.Picture(SIZE, inputs, SKY, SUN, toSun, np.radians(SUN_ANGLE / 2), seed) for seed in range(SEEDS)])
 
 
 def _Blocks(pictures):
@@ -80,15 +92,18 @@ def Materials(folder: pathlib.Path, only: str):
 
 
 def RandomMaterials(count: int, seed: int, only: str):
-    """As Materials()"""
+    """As Materials(); in place of the layer with node graphs the inputs of a UsdPreviewSurface"""
     for model in randomMaterials.MODELS:
         for index in range(count):
             label = f"{model} {index}"
-            if only.lower() not in label:
+            if only.lower() not in label.lower():
                 continue
             inputs = randomMaterials.Inputs(model, seed, index)
             document = randomMaterials.Document(model, inputs)
             builtIn = surfaceGraphs.ReadLayer(document)
+            if model == "UsdPreviewSurface":
+                yield f"{label}: {', '.join(inputs)}", builtIn, inputs, "Look"
+                continue
             surfaceGraphs.ReplaceSurfaces(document)
             yield f"{label}: {', '.join(inputs)}", builtIn, surfaceGraphs.ReadLayer(document), "Look"
 
@@ -110,7 +125,11 @@ def main() -> int:
         parser.error("either a folder or --random")
     materials = RandomMaterials(options.random, options.seed, options.only) if options.random else Materials(options.folder, options.only)
     for label, builtInLayer, graphLayer, name in materials:
-        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples, options.kernels) for layer in (builtInLayer, graphLayer))
+        builtIn, builtInWarnings = Pictures(builtInLayer, name, options.samples, options.kernels)
+        if isinstance(graphLayer, dict):
+            graph, graphWarnings = FormulaPictures(graphLayer), []
+        else:
+            graph, graphWarnings = Pictures(graphLayer, name, options.samples, options.kernels)
         worst, noise, whole = Compare(builtIn, graph)
         if abs(worst) > LIMIT and abs(worst) > 3 * noise:
             differing.append(label)

@@ -239,6 +239,29 @@ def test_surfaces_are_mixed_with_what_shows_them(tmp_path):
     assert color == pytest.approx(0.75 * np.array(RED) + np.array([0.0, 0.0, 0.2]) + 0.25, abs=0.01)
 
 
+# Sheens in three places, and what they are of the surface's own.
+SHEENS = {
+    "diffuse": (STANDARD, dict(base=0.5, base_color=RED, specular=0.8, metalness=0.4, sheen=0.9, sheen_color=BLUE, sheen_roughness=0.5)),
+    "over": (GLTF, dict(base_color=GOLD, metallic=1.0, roughness=0.5, sheen_color=(0.7, 0.5, 0.6), sheen_roughness=0.7)),
+    "rougherThanAny": (STANDARD, dict(base=0.5, base_color=RED, metalness=0.8, sheen=0.9, sheen_color=BLUE, sheen_roughness=9.0)),
+    "fuzz": (OPEN_PBR, dict(base_color=GRAY, fuzz_weight=0.8, fuzz_color=GOLD, fuzz_roughness=0.4, coat_weight=0.5)),
+}
+
+
+@pytest.mark.parametrize("one, other", [("over", "diffuse"), ("diffuse", "over"), ("fuzz", "over"), ("over", "fuzz"),
+                                        ("over", "rougherThanAny")])
+def test_mixed_surfaces_keep_the_places_of_their_sheens(tmp_path, one, other):
+    def Mixed(stage):
+        UsdShade.Material.Define(stage, "/World/Look")
+        back, front = (AddNode(stage, f"/World/Look/{name}", SHEENS[name][0], Sdf.ValueTypeNames.Token, **SHEENS[name][1])
+                       for name in (one, other))
+        return AddSurface(stage, "/World/Look", "ND_mix_surfaceshader", bg=back, fg=front, mix=0.5)
+    first, second = (_Picture(tmp_path, lambda stage: AddSurface(stage, "/World/Look", SHEENS[name][0], **SHEENS[name][1]), DOME,
+                              samples=256).rgb.mean((0, 1)) for name in (one, other))
+    mixed = _Picture(tmp_path, Mixed, DOME, samples=512).rgb.mean((0, 1))
+    assert mixed == pytest.approx(0.5 * (first + second), rel=3e-3)
+
+
 def test_albedo_is_the_mean_of_what_is_chosen(tmp_path):
     surface = _Surface(lambda c: c.Mix(c.Diffuse(RED, roughness=0.5), c.Diffuse(BLUE), 0.25))
     albedo = _Picture(tmp_path, surface, samples=1, aovs=("color", "albedo")).layers["albedo"][16, 16, :3]
@@ -347,7 +370,12 @@ GRAPHS = {
              dict(baseColor=RED, clearcoat=1.0, clearcoatGloss=0.8, sheen=0.5), dict(baseColor=RED, specTrans=0.5, ior=1.3),
              dict(baseColor=RED, subsurface=0.5, subsurfaceDistance=(0.2, 0.1, 0.05), specular=1.0)],
     GLTF: [dict(base_color=RED, metallic=0.0, roughness=0.4), dict(base_color=GOLD, metallic=0.5, roughness=0.4),
-           dict(base_color=GOLD, metallic=0.5, roughness=0.4, anisotropy_strength=0.7)],
+           dict(base_color=GOLD, metallic=0.5, roughness=0.4, anisotropy_strength=0.7),
+           dict(base_color=GOLD, metallic=1.0, roughness=0.4, sheen_color=(0.8, 0.4, 0.2), sheen_roughness=0.6),
+           dict(base_color=RED, metallic=0.5, roughness=0.4, sheen_color=(0.3, 0.1, 0.2), sheen_roughness=0.8, clearcoat=0.8),
+           dict(base_color=RED, metallic=0.0, roughness=0.4, ior=1.9, specular=0.7, specular_color=BLUE),
+           dict(base_color=GRAY, metallic=0.0, roughness=0.4, ior=1.9, specular=0.4, iridescence=1.0, iridescence_ior=1.6,
+                iridescence_thickness=400.0)],
 }
 
 

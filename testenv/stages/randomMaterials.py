@@ -79,12 +79,19 @@ MODELS = {
         _Lobe(0.3, specTrans=(0.2, 1.0)),
         _Lobe(0.35, subsurface=(0.2, 1.0), subsurfaceDistance=_COLOR),
     ],
+    # Opaque: what is behind would show.
+    "UsdPreviewSurface": [
+        _Lobe(1.0, diffuseColor=_COLOR, metallic=[0.0, 0.0, 0.5, 1.0], roughness=(0.15, 0.9), ior=(1.2, 2.0)),
+        _Lobe(0.3, useSpecularWorkflow=[1], specularColor=_COLOR),
+        _Lobe(0.45, clearcoat=(0.2, 1.0), clearcoatRoughness=(0.05, 0.5)),
+        _Lobe(0.2, emissiveColor=_COLOR),
+    ],
 }
 
 
 def Inputs(model: str, seed: int, index: int) -> dict:
     """{input: value} of a material: floats, booleans, integers and triples."""
-    rng = np.random.default_rng([seed, sorted(MODELS).index(model), index])
+    rng = np.random.default_rng([seed, sorted(MODELS, key=str.lower).index(model), index])
     found = {}
     for chance, inputs in MODELS[model]:
         isThere = rng.random() < chance

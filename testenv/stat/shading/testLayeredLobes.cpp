@@ -290,6 +290,60 @@ TEST_F(Metals, AreGgxWithF82AndTurquinsFactor) {
     });
 }
 
+/// A sheen over all but the coat leaves to metal what it leaves to diffuse reflection, and where it
+/// lies below the coat takes what that leaves.
+TEST_F(Metals, LieBelowASheenThatIsOverAllButTheCoat) {
+    constexpr double kWeight = 0.8;
+    constexpr double kCoatIndex = 1.6; // LayeredParameters'
+    constexpr double kAlpha = 0.3 * 0.3;
+    constexpr double kCoatAlpha = 0.2 * 0.2;
+    for (const bool isCoated : {false, true}) {
+        for (const double roughness : {0.2, 0.6}) {
+            LayeredParameters below = Black()
+                                          .Set(HDS_INPUT_METALLIC, 1.0F)
+                                          .Set(HDS_INPUT_SHEEN, float(kWeight))
+                                          .Set(HDS_INPUT_SHEEN_COLOR, 0.9F, 0.5F, 0.2F)
+                                          .Set(HDS_INPUT_SHEEN_ROUGHNESS, float(roughness))
+                                          .Set(HDS_INPUT_CLEARCOAT, isCoated ? 1.0F : 0.0F)
+                                          .Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, 0.2F);
+            below.flags = HDS_MATERIAL_SHEEN_OVER;
+            const auto sheen = [&](const glm::dvec3& wo, const glm::dvec3& wi) {
+                return reference::Sheen(roughness, wo, wi);
+            };
+            for (const double o : kCosines) {
+                const double albedo = reference::Albedo(o, sheen);
+                const double metal =
+                    reference::ReflectionAlbedo(o, kAlpha, [](double) { return 1.0; });
+                const double coat = reference::ReflectionAlbedo(o, kCoatAlpha, [&](double cosine) {
+                    return reference::Dielectric(cosine, kCoatIndex);
+                });
+                const double left = isCoated ? 1.0 - coat : 1.0;
+                Pairs pairs = Above();
+                pairs.erase(
+                    std::remove_if(pairs.begin(), pairs.end(),
+                                   [&](const auto& pair) { return pair[0].z != Towards(o).z; }),
+                    pairs.end());
+                const double colors[] = {0.9, 0.5, 0.2};
+                Check("sheen over metal " + std::to_string(roughness) + (isCoated ? " coated" : ""),
+                      below, pairs, kFloat + kTables, kTables,
+                      [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                          const double cosine = glm::dot(wo, glm::normalize(wo + wi));
+                          const double over =
+                              isCoated
+                                  ? reference::Reflection(wo, wi, kCoatAlpha,
+                                                          reference::Dielectric(cosine, kCoatIndex))
+                                  : 0.0;
+                          const double on =
+                              kWeight * colors[k] * sheen(wo, wi) / std::max(albedo, 1.0) * wi.z;
+                          const double base = (1.0 - kWeight * std::min(albedo, 1.0)) *
+                                              reference::Reflection(wo, wi, kAlpha, 1.0) / metal;
+                          return over + left * (on + base);
+                      });
+            }
+        }
+    }
+}
+
 TEST_F(Metals, OfConductorsHaveFresnelsEquations) {
     for (const std::array<double, 3>& edges :
          {std::array<double, 3>{0.7, 1.0, 0.4}, std::array<double, 3>{0.0, 0.2, 0.9}}) {

@@ -63,6 +63,10 @@ std::vector<Case> WhiteCases() {
              Frosted(r).Set(HDS_INPUT_DIFFUSE_COLOR, 1.0F).Set(HDS_INPUT_TRANSMISSION, 0.5F)});
         sheen.flags = HDS_MATERIAL_FUZZ;
         cases.push_back({"fuzz" + suffix, sheen});
+        LayeredParameters over =
+            Metal(0.4F).Set(HDS_INPUT_SHEEN, 0.7F).Set(HDS_INPUT_SHEEN_ROUGHNESS, r);
+        over.flags = HDS_MATERIAL_SHEEN_OVER;
+        cases.push_back({"sheen over metal" + suffix, over});
     }
     cases.push_back({"stretched metal", Metal(0.4F).Set(HDS_INPUT_STRETCH, 1.6F, 0.6F, 0.0F)});
     cases.push_back({"translucent", WhiteDielectric(0.3F)
