@@ -8,6 +8,9 @@ Spaces that a stage defines (UsdColorSpaceDefinitionAPI) are named by what they 
 
 from pxr import Gf
 
+from hdstream.translate.usdCalls import (
+    GetAppliedSchemas, GetColorSpace, GetParent, GetPrimOf, GetRoleName, HasColorSpace, IsPseudoRoot)
+
 _SCHEMA = "ColorSpaceAPI"
 _NAME = "colorSpace:name"
 _DEFINITION = "ColorSpaceDefinitionAPI:"
@@ -31,11 +34,11 @@ def ColorSpaceOf(attribute):
 
 def ColorSpaceOfColor(attribute):
     """As ColorSpaceOf; what is no colour by its type has only a space of its own."""
-    if attribute.HasColorSpace():
-        return _Defined(attribute.GetPrim(), attribute.GetColorSpace())
-    if attribute.GetRoleName() != "Color":
+    if HasColorSpace(attribute):
+        return _Defined(GetPrimOf(attribute), GetColorSpace(attribute))
+    if GetRoleName(attribute) != "Color":
         return ""
-    prim = attribute.GetPrim()
+    prim = GetPrimOf(attribute)
     return _Defined(prim, _OfPrim(prim))
 
 
@@ -73,12 +76,12 @@ def _Numbers(prim, instance):
 
 def _OfPrim(prim):
     """Its own, else that of its ancestors. Those are remembered; prims with attributes may be millions."""
-    attribute = prim.GetAttribute(_NAME) if _SCHEMA in prim.GetAppliedSchemas() else None
-    return (attribute.Get() if attribute else None) or _OfAncestor(prim.GetParent())
+    attribute = prim.GetAttribute(_NAME) if _SCHEMA in GetAppliedSchemas(prim) else None
+    return (attribute.Get() if attribute else None) or _OfAncestor(GetParent(prim))
 
 
 def _OfAncestor(prim):
-    if not prim or prim.IsPseudoRoot():
+    if not prim or IsPseudoRoot(prim):
         return ""
     space = _ofAncestors.get(prim)
     if space is None:

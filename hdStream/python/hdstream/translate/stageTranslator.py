@@ -23,6 +23,7 @@ from hdstream.translate.primHandlers import PrimHandlers
 from hdstream.translate.primState import BINDING, PREDICATE, SKEL_BINDINGS, Context, HasBindings, State
 from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skins
+from hdstream.translate.usdCalls import GetAttribute, GetFilteredChildren, GetValue
 from hdstream.typedValues import MistypedValues
 
 _BLUR_SCALE = "motion:blurScale"
@@ -127,7 +128,7 @@ class StageTranslator:
                 self._reports.Warn(prim, f"cannot be read: {'; '.join(self._CausesOf(error, prim))}")
                 state = inherited
             if state is not None:
-                children = prim.GetFilteredChildren(context.predicate)
+                children = GetFilteredChildren(prim, context.predicate)
                 for child in reversed(children):
                     stack.append((child, state))
         for found in (context, *context.contextsByDrawMode.values()):
@@ -202,6 +203,11 @@ class StageTranslator:
         for text in valueClips.MissingClips(prim):
             self._reports.Warn(prim, text)
 
+    @property
+    def isKeeping(self):
+        """Whether there is a geometry prim of before at all."""
+        return bool(self._kept)
+
     def KeptPrim(self, path):
         """The geometry prim of before at a scene path, where it still holds, else None."""
         return self._kept.get(path)
@@ -221,7 +227,7 @@ class StageTranslator:
                 state.matrices = self.MotionOf(inherited).MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
                 state.way = inherited.way + (prim,)
         if info.isImageable:
-            visibility = prim.GetAttribute("visibility").Get(self._timeCode) if "visibility" in names else None
+            visibility = GetValue(GetAttribute(prim, "visibility"), self._timeCode) if "visibility" in names else None
             if visibility == "invisible":
                 state = inherited.Copy() if state is inherited else state
                 state.visible = False
