@@ -9,7 +9,7 @@ Spaces that a stage defines (UsdColorSpaceDefinitionAPI) are named by what they 
 from pxr import Gf
 
 from hdstream.translate.usdCalls import (
-    GetAppliedSchemas, GetColorSpace, GetParent, GetPrimOf, GetRoleName, HasColorSpace, IsPseudoRoot)
+    GetAppliedSchemas, GetColorSpace, GetParent, GetPrimOf, GetRoleName, HasColorSpace)
 
 _SCHEMA = "ColorSpaceAPI"
 _NAME = "colorSpace:name"
@@ -32,14 +32,15 @@ def ColorSpaceOf(attribute):
     return _Defined(prim, attribute.GetColorSpace() if attribute.HasColorSpace() else _OfPrim(prim))
 
 
-def ColorSpaceOfColor(attribute):
-    """As ColorSpaceOf; what is no colour by its type has only a space of its own."""
+def ColorSpaceOfColor(attribute, prim=None):
+    """As ColorSpaceOf, of an attribute of `prim`; what is no colour by its type has only a space of its own."""
     if HasColorSpace(attribute):
         return _Defined(GetPrimOf(attribute), GetColorSpace(attribute))
     if GetRoleName(attribute) != "Color":
         return ""
-    prim = GetPrimOf(attribute)
-    return _Defined(prim, _OfPrim(prim))
+    prim = GetPrimOf(attribute) if prim is None else prim
+    name = _OfPrim(prim)
+    return _Defined(prim, name) if name else ""
 
 
 def _Defined(prim, name):
@@ -81,9 +82,7 @@ def _OfPrim(prim):
 
 
 def _OfAncestor(prim):
-    if not prim or IsPseudoRoot(prim):
-        return ""
     space = _ofAncestors.get(prim)
     if space is None:
-        space = _ofAncestors[prim] = _OfPrim(prim)
+        space = _ofAncestors[prim] = "" if not prim or prim.IsPseudoRoot() else _OfPrim(prim)
     return space

@@ -86,7 +86,7 @@ def ReadPrimvar(prim, name, names, timeCode):
     indices = None
     if name + _INDICES in names:
         indices = _Indices(GetAttribute(prim, name + _INDICES), timeCode, isKept)
-    space = ColorSpaceOfColor(attribute) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
+    space = ColorSpaceOfColor(attribute, prim) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
     if not isKept:
         rows = _RowsAgain(attribute, timeCode, rows)
     return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)

@@ -11,7 +11,7 @@ from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import colorSpaces, drawModes, primvars, rereading, valueClips
+from hdstream.translate import colorSpaces, drawModes, pathTexts, primvars, rereading, valueClips
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -39,6 +39,7 @@ class StageTranslator:
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
         colorSpaces.Forget()
+        pathTexts.Forget()
         self._motion = Motion(timeCode, shutter)
         self._reports = Reports(session)
         self._assets = AssetResolver()
@@ -102,6 +103,7 @@ class StageTranslator:
     def _End(self):
         """Breaks the cycles of references, so that a stage and its layers go with their last user."""
         self._reports.Flush()
+        pathTexts.Forget()
         self._handlers.End()
         self._handlers = self._instancers = self._drawModes = None
 

@@ -12,11 +12,11 @@ GetAppliedSchemas = Usd.Prim.GetAppliedSchemas
 GetAttribute = Usd.Prim.GetAttribute
 GetAuthoredPropertyNames = Usd.Prim.GetAuthoredPropertyNames
 GetFilteredChildren = Usd.Prim.GetFilteredChildren
+GetName = Usd.Prim.GetName
 GetParent = Usd.Prim.GetParent
 GetPath = Usd.Prim.GetPath
 GetTypeName = Usd.Prim.GetTypeName
 HasAuthoredMetadata = Usd.Prim.HasAuthoredMetadata
-IsPseudoRoot = Usd.Prim.IsPseudoRoot
 
 GetColorSpace = Usd.Attribute.GetColorSpace
 GetMetadata = Usd.Attribute.GetMetadata
