@@ -8,6 +8,9 @@ Spaces that a stage defines (UsdColorSpaceDefinitionAPI) are named by what they 
 
 from pxr import Gf
 
+from hdstream.translate.usdCalls import (
+    GetAppliedSchemas, GetColorSpace, GetParent, GetPrimOf, GetRoleName, HasColorSpace)
+
 _SCHEMA = "ColorSpaceAPI"
 _NAME = "colorSpace:name"
 _DEFINITION = "ColorSpaceDefinitionAPI:"
@@ -29,14 +32,15 @@ def ColorSpaceOf(attribute):
     return _Defined(prim, attribute.GetColorSpace() if attribute.HasColorSpace() else _OfPrim(prim))
 
 
-def ColorSpaceOfColor(attribute):
-    """As ColorSpaceOf; what is no colour by its type has only a space of its own."""
-    if attribute.HasColorSpace():
-        return _Defined(attribute.GetPrim(), attribute.GetColorSpace())
-    if attribute.GetRoleName() != "Color":
+def ColorSpaceOfColor(attribute, prim=None):
+    """As ColorSpaceOf, of an attribute of `prim`; what is no colour by its type has only a space of its own."""
+    if HasColorSpace(attribute):
+        return _Defined(GetPrimOf(attribute), GetColorSpace(attribute))
+    if GetRoleName(attribute) != "Color":
         return ""
-    prim = attribute.GetPrim()
-    return _Defined(prim, _OfPrim(prim))
+    prim = GetPrimOf(attribute) if prim is None else prim
+    name = _OfPrim(prim)
+    return _Defined(prim, name) if name else ""
 
 
 def _Defined(prim, name):
@@ -73,14 +77,12 @@ def _Numbers(prim, instance):
 
 def _OfPrim(prim):
     """Its own, else that of its ancestors. Those are remembered; prims with attributes may be millions."""
-    attribute = prim.GetAttribute(_NAME) if _SCHEMA in prim.GetAppliedSchemas() else None
-    return (attribute.Get() if attribute else None) or _OfAncestor(prim.GetParent())
+    attribute = prim.GetAttribute(_NAME) if _SCHEMA in GetAppliedSchemas(prim) else None
+    return (attribute.Get() if attribute else None) or _OfAncestor(GetParent(prim))
 
 
 def _OfAncestor(prim):
-    if not prim or prim.IsPseudoRoot():
-        return ""
     space = _ofAncestors.get(prim)
     if space is None:
-        space = _ofAncestors[prim] = _OfPrim(prim)
+        space = _ofAncestors[prim] = "" if not prim or prim.IsPseudoRoot() else _OfPrim(prim)
     return space

@@ -6,6 +6,7 @@ from pxr import Gf, Sdf, UsdGeom
 from hdstream import _core
 from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 from hdstream.translate.materials import ParameterFrom
+from hdstream.translate.usdCalls import GetAppliedSchemas
 
 _TYPES = {
     "DistantLight": _core.LightType.Distant,
@@ -33,7 +34,7 @@ _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 def IsLight(prim):
     """Whether a gprim is a light: LightAPI is applied, which is also part of UsdLuxMeshLightAPI."""
-    return "LightAPI" in prim.GetAppliedSchemas()
+    return "LightAPI" in GetAppliedSchemas(prim)
 
 
 def ReadSyncMode(prim, warn):

@@ -8,6 +8,7 @@ from hdstream import _core
 from hdstream.translate import nurbs
 from hdstream.translate.primvars import PrimvarsOf
 from hdstream.translate.rereading import Again, IsKept
+from hdstream.translate.usdCalls import GetAttribute, GetValue
 
 _TAG_ARRAYS = {
     "creaseIndices": np.int32, "creaseLengths": np.int32, "creaseSharpnesses": np.float32,
@@ -25,7 +26,7 @@ _FALLBACKS = {"Capsule": {"radius": 0.5, "height": 1.0}}
 
 def ReadArray(prim, name, timeCode, itemType):
     """The value as a contiguous array of the item type, without a copy where it is one already."""
-    value = prim.GetAttribute(name).Get(timeCode)
+    value = GetValue(GetAttribute(prim, name), timeCode)
     if value is None:
         return None
     return np.ascontiguousarray(value, itemType)
@@ -43,7 +44,7 @@ def _ReadSubdivTags(prim, names, timeCode):
     tags = _core.SubdivTags()
     for name in names:
         if name in _TAG_TOKENS:
-            value = prim.GetAttribute(name).Get(timeCode)
+            value = GetValue(GetAttribute(prim, name), timeCode)
             if value:
                 setattr(tags, name, value)
         elif name in _TAG_ARRAYS:
@@ -55,7 +56,7 @@ def _ReadSubdivTags(prim, names, timeCode):
 
 def _ReadInts(prim, name, timeCode):
     """The value as an array of int32 that numpy and the core take: OpenUSD's own, around which numpy's would take time and memory."""
-    value = prim.GetAttribute(name).Get(timeCode)
+    value = GetValue(GetAttribute(prim, name), timeCode)
     return value if value is None or type(value) is Vt.IntArray else np.ascontiguousarray(value, np.int32)
 
 
@@ -72,7 +73,7 @@ def ReadPoints(prim, names, timeCode):
 
 def _ReadPointArray(prim, names, timeCode):
     """The same as an array of OpenUSD."""
-    points = prim.GetAttribute("points").Get(timeCode)
+    points = GetValue(GetAttribute(prim, "points"), timeCode)
     if points is not None and not isinstance(points, Vt.Vec3fArray):
         # UsdImaging draws none of these either.
         raise ValueError(f"points are of type {type(points).__name__}, not point3f[]")
@@ -121,7 +122,7 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     mesh.faceVertexIndices = _IntsAgain(prim, "faceVertexIndices", timeCode, indices)
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
     if "subdivisionScheme" in names:
-        mesh.subdivisionScheme = prim.GetAttribute("subdivisionScheme").Get(timeCode) or "none"
+        mesh.subdivisionScheme = GetValue(GetAttribute(prim, "subdivisionScheme"), timeCode) or "none"
     if "holeIndices" in names:
         holes = ReadArray(prim, "holeIndices", timeCode, np.int32)
         if holes is not None:
@@ -129,7 +130,7 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     if not _TAG_NAMES.isdisjoint(names):
         mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
     if "orientation" in names:
-        orientation = prim.GetAttribute("orientation").Get(timeCode)
+        orientation = GetValue(GetAttribute(prim, "orientation"), timeCode)
         mesh.leftHanded = orientation == "leftHanded"
         if orientation not in ("leftHanded", "rightHanded"):
             warn(prim, f"orientation {orientation} is unknown; rightHanded is used")

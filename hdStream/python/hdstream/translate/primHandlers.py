@@ -13,6 +13,7 @@ from hdstream.translate import cameras, curves, lights, meshes, splats, volumes
 from hdstream.translate.materials import FindBoundMaterials
 from hdstream.translate.primState import HasBindings
 from hdstream.translate.skinning import ReasonAtRest
+from hdstream.translate.usdCalls import GetAttribute, GetFilteredChildren, GetTypeName, GetValue
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("ParticleField",)
@@ -56,7 +57,7 @@ class PrimHandlers:
 
     def InfoOf(self, prim):
         """What the traversal needs to know of a prim's type."""
-        return self._types.get(prim.GetTypeName()) or self._AddType(prim)
+        return self._types.get(GetTypeName(prim)) or self._AddType(prim)
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
@@ -173,6 +174,8 @@ class PrimHandlers:
 
     def _KeptGeometry(self, prim, context):
         """The geometry of before when it still holds, else None."""
+        if not self._translator.isKeeping:
+            return None
         kept = self._translator.KeptPrim(context.ScenePath(prim))
         return kept.geometry if kept else None
 
@@ -180,7 +183,7 @@ class PrimHandlers:
         """Adds a mesh; returns the state of what is below it, None where nothing is."""
         subsets = []
         subsetPrims = []
-        children = prim.GetFilteredChildren(context.predicate)
+        children = GetFilteredChildren(prim, context.predicate)
         for child in children:
             if child.IsA(UsdGeom.Subset):
                 subset = meshes.ReadSubset(child, self._timeCode, self._reports.Warn)
@@ -197,7 +200,7 @@ class PrimHandlers:
                 mesh.subsets = subsets
             geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or isPlane:  # whose fallback is true
-            geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
+            geometryPrim.doubleSided = bool(GetValue(GetAttribute(prim, "doubleSided"), self._timeCode))
         self._ReadMeshLight(prim, names, geometryPrim)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)

@@ -6,6 +6,8 @@ A State is immutable once made and shared by all prims that change nothing.
 
 from pxr import Gf, Usd
 
+from hdstream.translate.pathTexts import PathText
+
 PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # As UsdImaging: a prototype may be an `over`'s child, so its ancestors need not be defined.
 PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
@@ -114,7 +116,7 @@ class Context:
 
     def ScenePath(self, prim):
         """The prim's path in the scene: USD's, named after the instancer where it lies outside of it."""
-        path = prim.GetPath().pathString
+        path = PathText(prim)
         if not self.instancerPath or path.startswith(self.instancerPath + "/"):
             return path
         return f"{self.instancerPath}{{{path}}}"

@@ -13,6 +13,7 @@ from hdstream import _core
 from hdstream.translate import valueClips
 from hdstream.translate.colorSpaces import ColorSpaceOfColor
 from hdstream.translate.rereading import Again
+from hdstream.translate.usdCalls import GetAttribute, GetMetadata, GetValue
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
@@ -70,10 +71,10 @@ def _PrimvarsAmong(names):
 
 def ReadPrimvar(prim, name, names, timeCode):
     """The primvar of attribute `name`, or None when it has no value of a usable type."""
-    attribute = prim.GetAttribute(name)
+    attribute = GetAttribute(prim, name)
     if not attribute:
         return None
-    value = attribute.Get(timeCode)
+    value = GetValue(attribute, timeCode)
     if name == _KARMA_VISIBILITY and isinstance(value, str):
         value = _core.KarmaVisibilityNumber(value)
     rows = FloatRows(value, attribute)
@@ -84,8 +85,8 @@ def ReadPrimvar(prim, name, names, timeCode):
     isKept = interpolation == _core.Interpolation.Constant
     indices = None
     if name + _INDICES in names:
-        indices = _Indices(prim.GetAttribute(name + _INDICES), timeCode, isKept)
-    space = ColorSpaceOfColor(attribute) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
+        indices = _Indices(GetAttribute(prim, name + _INDICES), timeCode, isKept)
+    space = ColorSpaceOfColor(attribute, prim) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
     if not isKept:
         rows = _RowsAgain(attribute, timeCode, rows)
     return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)
@@ -93,7 +94,7 @@ def ReadPrimvar(prim, name, names, timeCode):
 
 def _InterpolationOf(attribute, fallback):
     """The interpolation of an attribute; None, and a warning, for one that USD does not have."""
-    text = attribute.GetMetadata("interpolation") or fallback
+    text = GetMetadata(attribute, "interpolation") or fallback
     interpolation = INTERPOLATIONS.get(text)
     if interpolation is None:
         Tf.Warn(f"In <{attribute.GetPrim().GetPath()}>: {attribute.GetName()} has the unknown interpolation {text}; left out")
@@ -107,7 +108,7 @@ def _RowsAgain(attribute, timeCode, rows):
 
 def _Indices(attribute, timeCode, isKept):
     """Indices as they are, or in such a form too."""
-    indices = attribute.Get(timeCode)
+    indices = GetValue(attribute, timeCode)
     if isKept or not isinstance(indices, Vt.IntArray):
         return indices
     return Again(attribute, timeCode, np.asarray(indices), lambda own: np.asarray(own.Get(timeCode)))
@@ -169,8 +170,8 @@ def PrimvarsOf(prim, names, inherited, timeCode):
 
 
 def _ReadNormals(prim, timeCode):
-    attribute = prim.GetAttribute("normals")
-    value = attribute.Get(timeCode)
+    attribute = GetAttribute(prim, "normals")
+    value = GetValue(attribute, timeCode)
     if not isinstance(value, Vt.Vec3fArray):
         return None  # as UsdImaging: UsdGeomPointBased has normal3f[] normals
     rows = FloatRows(value, attribute)

@@ -19,6 +19,8 @@ _INFLUENCES = frozenset(("primvars:skel:jointIndices", "skel:blendShapes"))
 def ReasonAtRest(prim, names):
     """Why a prim that has joint influences or blend shapes is not skinned, to be counted; None for prims without, where the
     arrays are empty too."""
+    if _INFLUENCES.isdisjoint(names):
+        return None
     if not any(prim.GetAttribute(name).Get(Usd.TimeCode.EarliestTime()) for name in _INFLUENCES.intersection(names)):
         return None
     if not UsdSkel.Root.Find(prim):

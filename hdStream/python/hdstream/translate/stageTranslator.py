@@ -12,7 +12,7 @@ from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import colorSpaces, drawModes, primvars, rereading, valueClips
+from hdstream.translate import colorSpaces, drawModes, pathTexts, primvars, rereading, valueClips
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -24,6 +24,7 @@ from hdstream.translate.primHandlers import PrimHandlers
 from hdstream.translate.primState import BINDING, PREDICATE, SKEL_BINDINGS, Context, HasBindings, State
 from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skins
+from hdstream.translate.usdCalls import GetAttribute, GetFilteredChildren, GetValue
 from hdstream.typedValues import MistypedValues
 
 _BLUR_SCALE = "motion:blurScale"
@@ -39,6 +40,7 @@ class StageTranslator:
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
         colorSpaces.Forget()
+        pathTexts.Forget()
         self._motion = Motion(timeCode, shutter)
         self._reports = Reports(session)
         self._assets = AssetResolver()
@@ -104,6 +106,7 @@ class StageTranslator:
     def _End(self):
         """Breaks the cycles of references, so that a stage and its layers go with their last user."""
         self._reports.Flush()
+        pathTexts.Forget()
         self._handlers.End()
         self._handlers = self._instancers = self._drawModes = None
 
@@ -131,7 +134,7 @@ class StageTranslator:
                 self._reports.Warn(prim, f"cannot be read: {'; '.join(self._CausesOf(error, prim))}")
                 state = inherited
             if state is not None:
-                children = prim.GetFilteredChildren(context.predicate)
+                children = GetFilteredChildren(prim, context.predicate)
                 for child in reversed(children):
                     stack.append((child, state))
         for found in (context, *context.contextsByDrawMode.values()):
@@ -206,6 +209,11 @@ class StageTranslator:
         for text in valueClips.MissingClips(prim):
             self._reports.Warn(prim, text)
 
+    @property
+    def isKeeping(self):
+        """Whether there is a geometry prim of before at all."""
+        return bool(self._kept)
+
     def KeptPrim(self, path):
         """The geometry prim of before at a scene path, where it still holds, else None."""
         return self._kept.get(path)
@@ -225,7 +233,7 @@ class StageTranslator:
                 state.matrices = self.MotionOf(inherited).MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
                 state.way = inherited.way + (prim,)
         if info.isImageable:
-            visibility = prim.GetAttribute("visibility").Get(self._timeCode) if "visibility" in names else None
+            visibility = GetValue(GetAttribute(prim, "visibility"), self._timeCode) if "visibility" in names else None
             if visibility == "invisible":
                 state = inherited.Copy() if state is inherited else state
                 state.visible = False

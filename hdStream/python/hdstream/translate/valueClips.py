@@ -10,19 +10,20 @@ import math
 from pxr import Ar, Sdf, Usd, UsdGeom
 
 from hdstream.pipeWatch import IS_PIPE, IsPipe, StandIn
+from hdstream.translate.usdCalls import GetAuthoredPropertyNames, HasAuthoredMetadata
 
 METADATA = "clips"
 
 
 def AreOn(prim):
     """Whether a prim has clips of its own, which may hold values of all prims at and below it."""
-    return prim.HasAuthoredMetadata(METADATA)
+    return HasAuthoredMetadata(prim, METADATA)
 
 
 def NamesOf(prim, hasClips):
     """Names of the properties that a prim says something of. `hasClips`: it or a prim above it has clips."""
     if not hasClips:  # looking at all that a schema has takes much longer
-        return prim.GetAuthoredPropertyNames()
+        return GetAuthoredPropertyNames(prim)
     return [found.GetName() for found in prim.GetProperties()
             if found.IsAuthored() or isinstance(found, Usd.Attribute) and found.HasAuthoredValue()]
 
