@@ -244,6 +244,13 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     hits.count = 0u;
 #if HDS_SHADE_WIDE
     HDS_LANES_CLEAR(&hits.triangles);
+    HdsShadeHits* smooth = &hits;
+#if HDS_LOBES
+    HdsShadeHits smoothHits;
+    smoothHits.count = 0u;
+    HDS_LANES_CLEAR(&smoothHits.triangles);
+    smooth = &smoothHits;
+#endif
     HdsShadeHits ends;
     ends.count = 0u;
     HdsShadeBatch batch;
@@ -252,10 +259,16 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
         if (item + HDS_HITS_AHEAD < count) {
             shadeHits_fetch(&scene, paths, queue[item + HDS_HITS_AHEAD]);
         }
-        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, &ends);
+        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, smooth,
+                       &ends);
         if (hits.count == HDS_HIT_LANES) {
             shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
         }
+#if HDS_LOBES
+        if (smoothHits.count == HDS_HIT_LANES) {
+            shade_hits(frame, &scene, &smoothHits, paths, counters, &batch, &lists);
+        }
+#endif
         if (ends.count == HDS_HIT_LANES) {
             shade_ends(frame, &scene, &ends, paths, counters, &lists);
         }
@@ -263,12 +276,17 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     if (ends.count > 0u) {
         shade_ends(frame, &scene, &ends, paths, counters, &lists);
     }
+#if HDS_LOBES
+    if (smoothHits.count > 0u) {
+        shade_hits(frame, &scene, &smoothHits, paths, counters, &batch, &lists);
+    }
+#endif
     if (hits.count > 0u) {
         shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
     }
 #else
     HDS_FOR_ITEMS(item, count) {
-        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, &hits);
+        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, &hits, &hits);
         if (hits.count > 0u) {
             shade_path(frame, &scene, &hits, paths, counters, &lists);
 #if HDS_FEATURE_PATH_LIMITS

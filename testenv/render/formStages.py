@@ -185,6 +185,23 @@ def InsideGlass(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def Smooth(path) -> None:
+    """Smooth glass and metal, which take no light samples, between surfaces that do; rays find all lights."""
+    stage = author.NewStage(path)
+    glass = materialX.AddSurface(stage, "/World/Glass", base=0.0, transmission=1.0, specular_roughness=0.0)
+    metal = materialX.AddSurface(stage, "/World/Metal", base=1.0, base_color=(0.9, 0.7, 0.4), metalness=1.0, specular_roughness=0.0)
+    coated = materialX.AddSurface(stage, "/World/Coated", base_color=(0.5, 0.1, 0.1), specular_roughness=0.0, coat=1.0, coat_roughness=0.0)
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(8, 8), color=(0.5, 0.5, 0.5))
+    for index in range(6):
+        author.AddMesh(stage, f"/World/Body{index}", shapes.Box(0.6, 0.6, 0.6) if index % 2 else materialX.Ball(0.35),
+                       material=(glass, metal, coated)[index % 3], translate=(0.9 * (index % 3) - 0.9, 0.45, 0.8 * (index // 3) - 0.4),
+                       rotate=(0, 20, 15))
+    author.AddLight(stage, "/World/Lamp", "Rect", dict(translate=(1, 2.5, 1), rotate=(-70, 20, 0)), width=1.0, height=0.6, intensity=12.0)
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=0.3)
+    author.AddCamera(stage, eye=(0, 1.2, 4.0), target=(0, 0.4, 0), aspect=61 / 47)
+    stage.GetRootLayer().Save()
+
+
 def Displaced(path) -> None:
     """Balls of few triangles whose shading has what these lack of noise: smooth, flat, instanced and stretched."""
     stage = author.NewStage(path)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls,
-curveShapes, glass, hair, hairBalls, pointCloud, media, smoke, island, skyRoom, sunRoom, panelRoom, displacedBall
+curveShapes, glass, hair, hairBalls, pointCloud, media, smoke, island, skyRoom, sunRoom, panelRoom, displacedBall,
+gems, mirrorRoom, softboxes, wideSky
 or a verification case.
 
 OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes`, `grove`, `hair`, `hairBalls` and
@@ -13,7 +14,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, curves, demo, glass, grove, hair, island, materialX, media, rooms, smoke, subdivided  # noqa: E402
+from stages import bench, curves, demo, glass, grove, hair, island, materialX, media, rooms, smoke, smooth, subdivided  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
@@ -21,7 +22,7 @@ _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": ben
             "smoke": smoke.WriteSmoke, "glass": glass.WriteGlass, "curveShapes": curves.WriteShapes,
             "hair": curves.WriteHair, "hairBalls": hair.WriteHairBalls, "pointCloud": curves.WritePointCloud, "island": island.WriteIsland,
             "skyRoom": rooms.WriteSkyRoom, "sunRoom": rooms.WriteSunRoom, "panelRoom": rooms.WritePanelRoom,
-            "displacedBall": subdivided.WriteDisplacedBall}
+            "displacedBall": subdivided.WriteDisplacedBall, **smooth.WRITERS}
 
 
 def main(arguments: list[str]) -> int:
