@@ -79,6 +79,47 @@ TEST_F(Framing, DisplayWindowSmallerThanTheBufferIsAnOverscan) {
     ExpectDepths(host);
 }
 
+/// A curved floor of four faces, from the horizon to below the camera.
+SceneData CurvedFloor() {
+    SceneData scene = EmptyScene();
+    std::vector<GfVec3f> points;
+    for (int z = 0; z < 3; ++z) {
+        for (int x = 0; x < 3; ++x) {
+            const float height = -1.5F + 0.4F * static_cast<float>((x + z) % 2);
+            points.emplace_back(5.0F * static_cast<float>(x - 1), height,
+                                5.0F - 8.0F * static_cast<float>(z));
+        }
+    }
+    scene.gprims[SdfPath("/floor")] = MakeMesh(
+        points, {4, 4, 4, 4}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7}, "catmullClark");
+    return scene;
+}
+
+TEST_F(Framing, DataWindowOfAnOverscanHasTheBitsOfTheWhole) {
+    HostOptions options = Quick(kAovs);
+    options.settings[TfToken("enableInteractive")] = VtValue(false); // diced for what is seen
+    const GfRange2f display(GfVec2f(10, 6), GfVec2f(54, 30));
+    Host whole(CurvedFloor(), options);
+    whole.SetFraming(CameraUtilFraming(display, GfRect2i(GfVec2i(0, 0), 64, 48)));
+    const Image wholeDepth = whole.Render(HdAovTokens->depth);
+    // Inside of the display window, and beside it.
+    for (const GfRect2i& window :
+         {GfRect2i(GfVec2i(16, 16), 24, 12), GfRect2i(GfVec2i(2, 14), 12, 16)}) {
+        Host host(CurvedFloor(), options);
+        host.SetFraming(CameraUtilFraming(display, window));
+        const Image part = host.Render(HdAovTokens->depth);
+        int numHits = 0;
+        for (int row = window.GetMinY(); row <= window.GetMaxY(); ++row) {
+            const int y = 47 - row;
+            for (int x = window.GetMinX(); x <= window.GetMaxX(); ++x) {
+                ASSERT_EQ(part.Float(x, y), wholeDepth.Float(x, y)) << x << " " << y;
+                numHits += part.Float(x, y) < 1.0F ? 1 : 0;
+            }
+        }
+        EXPECT_GT(numHits, 20);
+    }
+}
+
 TEST_F(Framing, ConformPoliciesAreHydras) {
     for (const CameraUtilConformWindowPolicy policy :
          {CameraUtilMatchVertically, CameraUtilMatchHorizontally, CameraUtilFit, CameraUtilCrop,
