@@ -79,19 +79,19 @@ TEST_F(Framing, DisplayWindowSmallerThanTheBufferIsAnOverscan) {
     ExpectDepths(host);
 }
 
-/// A curved floor of four faces, from the horizon to below the camera.
-SceneData CurvedFloor() {
+/// A bent floor of 8 x 8 faces, from the horizon to below the camera.
+SceneData BentFloor() {
     SceneData scene = EmptyScene();
-    std::vector<GfVec3f> points;
-    for (int z = 0; z < 3; ++z) {
-        for (int x = 0; x < 3; ++x) {
-            const float height = -1.5F + 0.4F * static_cast<float>((x + z) % 2);
-            points.emplace_back(5.0F * static_cast<float>(x - 1), height,
-                                5.0F - 8.0F * static_cast<float>(z));
-        }
+    GprimData floor = MakeGrid(5.0F, 8.0F, 8, 8);
+    VtVec3fArray points = floor.FindPrimvar(HdTokens->points)->value.Get<VtVec3fArray>();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = GfVec3f(points[i][0], i % 2 == 0 ? -1.5F : -1.1F, -3.0F - points[i][1]);
     }
     scene.gprims[SdfPath("/floor")] = MakeMesh(
-        points, {4, 4, 4, 4}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7}, "catmullClark");
+        {points.cbegin(), points.cend()},
+        {floor.mesh.GetFaceVertexCounts().cbegin(), floor.mesh.GetFaceVertexCounts().cend()},
+        {floor.mesh.GetFaceVertexIndices().cbegin(), floor.mesh.GetFaceVertexIndices().cend()},
+        "catmullClark");
     return scene;
 }
 
@@ -99,13 +99,13 @@ TEST_F(Framing, DataWindowOfAnOverscanHasTheBitsOfTheWhole) {
     HostOptions options = Quick(kAovs);
     options.settings[TfToken("enableInteractive")] = VtValue(false); // diced for what is seen
     const GfRange2f display(GfVec2f(10, 6), GfVec2f(54, 30));
-    Host whole(CurvedFloor(), options);
+    Host whole(BentFloor(), options);
     whole.SetFraming(CameraUtilFraming(display, GfRect2i(GfVec2i(0, 0), 64, 48)));
     const Image wholeDepth = whole.Render(HdAovTokens->depth);
     // Inside of the display window, and beside it.
     for (const GfRect2i& window :
-         {GfRect2i(GfVec2i(16, 16), 24, 12), GfRect2i(GfVec2i(2, 14), 12, 16)}) {
-        Host host(CurvedFloor(), options);
+         {GfRect2i(GfVec2i(16, 6), 24, 24), GfRect2i(GfVec2i(2, 14), 12, 16)}) {
+        Host host(BentFloor(), options);
         host.SetFraming(CameraUtilFraming(display, window));
         const Image part = host.Render(HdAovTokens->depth);
         int numHits = 0;
