@@ -14,7 +14,8 @@ CameraUtilFraming HdStreamFramingOf(const HdRenderPassState& state) {
         GfRect2i(GfVec2i(0), static_cast<int>(viewport[2]), static_cast<int>(viewport[3])));
 }
 
-void HdStreamApplyFraming(const CameraUtilFraming& framing, hds::Settings* settings) {
+void HdStreamApplyFraming(const CameraUtilFraming& framing, const GfVec2i& bufferSize,
+                          hds::Settings* settings) {
     const GfRect2i& data = framing.dataWindow;
     const GfRange2f& display = framing.displayWindow;
     settings->imageWidth = static_cast<std::uint32_t>(data.GetWidth());
@@ -25,6 +26,13 @@ void HdStreamApplyFraming(const CameraUtilFraming& framing, hds::Settings* setti
     const int left = static_cast<int>(std::floor(display.GetMin()[0]));
     const int top = static_cast<int>(std::floor(display.GetMin()[1]));
     settings->dataWindowMin = {data.GetMinX() - left, data.GetMinY() - top};
+    settings->uncroppedWindow = {};
+    const GfRect2i whole = data.GetUnion(GfRect2i(GfVec2i(0), bufferSize[0], bufferSize[1]));
+    if (whole != data) {
+        settings->uncroppedWindow = {double(whole.GetMinX()) - left, double(whole.GetMinY()) - top,
+                                     double(whole.GetMaxX()) + 1.0 - left,
+                                     double(whole.GetMaxY()) + 1.0 - top};
+    }
     const bool isWholeImage =
         data.GetMinX() == 0 && data.GetMinY() == 0 &&
         display == GfRange2f(GfVec2f(0.0F), GfVec2f(static_cast<float>(data.GetWidth()),

@@ -6,6 +6,7 @@
 #include "hdStream/session/settings.h"
 
 #include <pxr/base/gf/rect2i.h>
+#include <pxr/base/gf/vec2i.h>
 #include <pxr/imaging/cameraUtil/conformWindow.h>
 #include <pxr/imaging/cameraUtil/framing.h>
 #include <pxr/imaging/hd/renderPassState.h>
@@ -18,8 +19,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// The framing of a pass; of applications that set a viewport only, that viewport.
 CameraUtilFraming HdStreamFramingOf(const HdRenderPassState& state);
 
-/// Sets image size, data window, display window and pixel aspect ratio.
-void HdStreamApplyFraming(const CameraUtilFraming& framing, hds::Settings* settings);
+/// Sets image size, data window, display window and pixel aspect ratio; and, of a data window that
+/// is only a part of what the pass's buffers cover, all of that: surfaces are diced alike in parts.
+void HdStreamApplyFraming(const CameraUtilFraming& framing, const GfVec2i& bufferSize,
+                          hds::Settings* settings);
 
 /// The name of the core's conform policy that does what a window policy does.
 std::string HdStreamConformPolicy(CameraUtilConformWindowPolicy policy);

@@ -127,6 +127,18 @@ HdStreamRenderBuffer* BufferOf(const HdRenderPassAovBinding& binding, HdRenderIn
     return static_cast<HdStreamRenderBuffer*>(buffer);
 }
 
+/// Pixels that the buffers of a pass cover, from their common corner.
+GfVec2i BufferSize(const HdRenderPassState& state, HdRenderIndex* index) {
+    GfVec2i size(0);
+    for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
+        if (const HdStreamRenderBuffer* buffer = BufferOf(binding, index)) {
+            size[0] = std::max(size[0], static_cast<int>(buffer->GetWidth()));
+            size[1] = std::max(size[1], static_cast<int>(buffer->GetHeight()));
+        }
+    }
+    return size;
+}
+
 } // namespace
 
 HdStreamRenderPass::HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,
@@ -164,7 +176,7 @@ void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
 hds::Settings HdStreamRenderPass::MakeSettings(const HdRenderPassState& state,
                                                const TfTokenVector& renderTags) {
     hds::Settings settings = _delegate->ComposeSettings();
-    HdStreamApplyFraming(HdStreamFramingOf(state), &settings);
+    HdStreamApplyFraming(HdStreamFramingOf(state), BufferSize(state, GetRenderIndex()), &settings);
     settings.conformPolicy = HdStreamConformPolicy(state.GetWindowPolicy());
     settings.camera = CameraPath(state, &settings);
     settings.purposes = PurposesFrom(renderTags);

@@ -183,7 +183,7 @@ bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate
         const bool isAnyWaiting = std::any_of(waiting, waiting + WaveQueues::NumWaiting,
                                               [](std::uint32_t count) { return count > 0; });
         if (isAnyWaiting && isAlone && !begins) {
-            counts = ProcessRequestsAndResume(counts, shade);
+            counts = ProcessRequestsAndResume(counts, shade, isCancelled);
             ++iterations;
         } else if (counts[HDS_COUNTER_READY] > 0) {
             counts = ShadeReady(counts, nullptr, 0, shade);
@@ -314,12 +314,13 @@ void WaveTracer::LaunchPass(const Buffer& queue, std::uint32_t count, std::uint3
 
 /// Processes requests and goes on with what waits for them. Appends to the paths and shadow rays
 /// that go on already. \param counts as after the last launch. \return them now.
-WaveTracer::Counts WaveTracer::ProcessRequestsAndResume(const Counts& counts, const Shade& shade) {
+WaveTracer::Counts WaveTracer::ProcessRequestsAndResume(const Counts& counts, const Shade& shade,
+                                                        const IsCancelled& isCancelled) {
     std::array<std::uint32_t, WaveQueues::NumWaiting> waiting{};
     std::copy_n(counts.begin() + HDS_COUNTER_WAITING_RAYS, waiting.size(), waiting.begin());
     const std::uint32_t numRays = waiting[WaveQueues::WaitingRays];
     const std::uint32_t numShadows = waiting[WaveQueues::WaitingShadows];
-    _buffers->Streaming().ProcessRequests();
+    _buffers->Streaming().ProcessRequests(isCancelled);
     _statistics->raysRelaunched += numRays + numShadows;
     _queues.Turn();
     const Timer timer;

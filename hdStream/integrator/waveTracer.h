@@ -100,7 +100,8 @@ private:
     Counts ShadeNext(std::uint32_t active, const Shade& shade);
     Counts ShadeReady(const Counts& counts, const Buffer* hits, std::uint32_t numHits,
                       const Shade& shade);
-    Counts ProcessRequestsAndResume(const Counts& counts, const Shade& shade);
+    Counts ProcessRequestsAndResume(const Counts& counts, const Shade& shade,
+                                    const IsCancelled& isCancelled);
     void ResumeShadows(const Buffer& queue, std::uint32_t count);
     void ResumeCandidates(const Buffer& queue, std::uint32_t count);
 

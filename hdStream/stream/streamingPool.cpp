@@ -27,6 +27,8 @@ constexpr std::uint64_t kSpareDivisor = 8;
 constexpr std::uint64_t kPinDivisor = 4;
 /// An edit that wants so many times the room for pinned pages empties the pool.
 constexpr std::uint64_t kPinGrowth = 2;
+/// Most bytes of pages that are prepared together: who cancels a render waits for them.
+constexpr std::uint64_t kBatchBytes = 32U << 20U;
 /// Of so many pages for each entry two words a page take more of the device than hash tables.
 constexpr std::uint64_t kLeastPagesPerEntry = 2;
 
@@ -208,12 +210,12 @@ void StreamingPool::BeginEpoch() {
     _useTable.Write(&epoch, sizeof(epoch), HDS_USE_EPOCH * sizeof(epoch));
 }
 
-void StreamingPool::ProcessRequests() {
-    ProcessRound(true);
+void StreamingPool::ProcessRequests(const IsCancelled& isCancelled) {
+    ProcessRound(true, isCancelled);
     BeginEpoch();
 }
 
-void StreamingPool::ProcessRound(bool withGroups) {
+void StreamingPool::ProcessRound(bool withGroups, const IsCancelled& isCancelled) {
     const Timer timer;
     const StreamingStatistics before = Statistics();
     _order->BeginRound();
@@ -223,7 +225,7 @@ void StreamingPool::ProcessRound(bool withGroups) {
     if (_provider->NumOuterPages() > 0) {
         PlaceWay(TakeWay());
     }
-    PlaceInBatches(_uses.TakeRequests(_table, withGroups), withGroups);
+    PlaceInBatches(_uses.TakeRequests(_table, withGroups), withGroups, isCancelled);
     HDS_VERIFY(_placedBytes > 0, _label + ": nothing was loaded");
     if (_queued.empty()) {
         PublishTable(); // pages may have left for one that found no place
@@ -237,12 +239,16 @@ void StreamingPool::ProcessRound(bool withGroups) {
 
 /// Places requests, the first ones first, until there is no more room; those that can fit are
 /// prepared together. \param withGroups pages that hardly any ask for make none leave.
-void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups) {
+void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups,
+                                   const IsCancelled& isCancelled) {
     std::size_t next = 0;
     bool isOver = false;
     while (next < requests.size() && !isOver) {
         LoadQueued(); // what is prepared next may take the place of what is prepared now
-        const std::uint64_t room = _bytes - _placedBytes;
+        if (_placedBytes > 0 && isCancelled && isCancelled()) {
+            return;
+        }
+        const std::uint64_t room = std::min(_bytes - _placedBytes, kBatchBytes);
         std::vector<std::uint32_t> batch;
         std::uint64_t bytes = 0;
         const std::size_t first = next;

@@ -10,6 +10,7 @@
 #include "hdStream/stream/pageUses.h"
 #include "hdStream/stream/poolCounters.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -61,9 +62,12 @@ public:
     /// provider, too, may keep them; otherwise it drops them. \pre MissingBytes() is 0.
     virtual void MakeResident(bool keepsBytes);
 
+    using IsCancelled = std::function<bool()>;
+
     /// Loads what was asked for most: pages, and whole groups by the page that asks for them.
-    /// Blocks.
-    void ProcessRequests();
+    /// Blocks. \param isCancelled asked between batches of pages that are prepared together: when
+    /// it says so, the others are not loaded.
+    void ProcessRequests(const IsCancelled& isCancelled = {});
 
     /// What kernels tell of each page (kernels/shared/residency.h).
     const Buffer& Uses() const { return _useTable; }
@@ -78,7 +82,7 @@ protected:
     void BeginEpoch();
     /// ProcessRequests without a new epoch. \param withGroups whether whole groups may be asked
     /// for.
-    void ProcessRound(bool withGroups);
+    void ProcessRound(bool withGroups, const IsCancelled& isCancelled = {});
     /// Publishes the words of the table.
     virtual void PublishTable();
     void WriteWords(const std::vector<std::uint32_t>& words);
@@ -102,7 +106,8 @@ private:
     void ReadUses();
     void PublishUses();
     void Prepare(const std::vector<std::uint32_t>& pages);
-    void PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups);
+    void PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups,
+                        const IsCancelled& isCancelled);
     bool PlaceRequest(const PageRequest& request);
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);

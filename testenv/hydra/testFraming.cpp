@@ -79,6 +79,47 @@ TEST_F(Framing, DisplayWindowSmallerThanTheBufferIsAnOverscan) {
     ExpectDepths(host);
 }
 
+/// A bent floor of 8 x 8 faces, from the horizon to below the camera.
+SceneData BentFloor() {
+    SceneData scene = EmptyScene();
+    GprimData floor = MakeGrid(5.0F, 8.0F, 8, 8);
+    VtVec3fArray points = floor.FindPrimvar(HdTokens->points)->value.Get<VtVec3fArray>();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = GfVec3f(points[i][0], i % 2 == 0 ? -1.5F : -1.1F, -3.0F - points[i][1]);
+    }
+    scene.gprims[SdfPath("/floor")] = MakeMesh(
+        {points.cbegin(), points.cend()},
+        {floor.mesh.GetFaceVertexCounts().cbegin(), floor.mesh.GetFaceVertexCounts().cend()},
+        {floor.mesh.GetFaceVertexIndices().cbegin(), floor.mesh.GetFaceVertexIndices().cend()},
+        "catmullClark");
+    return scene;
+}
+
+TEST_F(Framing, DataWindowOfAnOverscanHasTheBitsOfTheWhole) {
+    HostOptions options = Quick(kAovs);
+    options.settings[TfToken("enableInteractive")] = VtValue(false); // diced for what is seen
+    const GfRange2f display(GfVec2f(10, 6), GfVec2f(54, 30));
+    Host whole(BentFloor(), options);
+    whole.SetFraming(CameraUtilFraming(display, GfRect2i(GfVec2i(0, 0), 64, 48)));
+    const Image wholeDepth = whole.Render(HdAovTokens->depth);
+    // Inside of the display window, and beside it.
+    for (const GfRect2i& window :
+         {GfRect2i(GfVec2i(16, 6), 24, 24), GfRect2i(GfVec2i(2, 14), 12, 16)}) {
+        Host host(BentFloor(), options);
+        host.SetFraming(CameraUtilFraming(display, window));
+        const Image part = host.Render(HdAovTokens->depth);
+        int numHits = 0;
+        for (int row = window.GetMinY(); row <= window.GetMaxY(); ++row) {
+            const int y = 47 - row;
+            for (int x = window.GetMinX(); x <= window.GetMaxX(); ++x) {
+                ASSERT_EQ(part.Float(x, y), wholeDepth.Float(x, y)) << x << " " << y;
+                numHits += part.Float(x, y) < 1.0F ? 1 : 0;
+            }
+        }
+        EXPECT_GT(numHits, 20);
+    }
+}
+
 TEST_F(Framing, ConformPoliciesAreHydras) {
     for (const CameraUtilConformWindowPolicy policy :
          {CameraUtilMatchVertically, CameraUtilMatchHorizontally, CameraUtilFit, CameraUtilCrop,

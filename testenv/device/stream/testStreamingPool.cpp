@@ -263,6 +263,35 @@ TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
     }
 }
 
+/// Pages of 16 MiB, all of the same bytes.
+class LargePages final : public FakePages {
+public:
+    using FakePages::FakePages;
+    std::uint64_t PageBytes(std::uint32_t) const override { return _bytes.size(); }
+    const std::uint8_t* Page(std::uint32_t) const override { return _bytes.data(); }
+
+private:
+    std::vector<std::uint8_t> _bytes = std::vector<std::uint8_t>(std::size_t{16} << 20U);
+};
+
+TEST_F(StreamingPoolTest, WhoCancelsWaitsForAFewPagesOnly) {
+    LargePages pages(Range(1, 9));
+    StreamingPool pool(device, "fake");
+    pool.Update(&pages, 8 * pages.PageBytes(0));
+    Ask(pool, {0, 1, 2, 3, 4, 5, 6, 7});
+    pool.ProcessRequests([] { return true; });
+    EXPECT_EQ(pages.NumPrepared(), 2U); // some, in each round
+    EXPECT_EQ(pool.Statistics().uploads, 2U);
+    int numAsked = 0;
+    Ask(pool, {0, 1, 2, 3, 4, 5, 6, 7}); // of another render
+    pool.ProcessRequests([&] { return ++numAsked == 2; });
+    EXPECT_EQ(pool.Statistics().uploads, 6U);
+    Ask(pool, {0, 1, 2, 3, 4, 5, 6, 7});
+    pool.ProcessRequests([] { return false; });
+    EXPECT_EQ(pool.Statistics().uploads, 8U);
+    EXPECT_EQ(pool.Statistics().evictions, 0U);
+}
+
 TEST_F(StreamingPoolTest, NoPagesIsValid) {
     FakePages pages(Range(0, 0));
     StreamingPool pool(device, "fake");
