@@ -232,7 +232,8 @@ void HdStreamRenderBuffer::Write(const hds::ImageLayer* layer, const GfRect2i& d
     const int end = std::clamp(dataWindow.GetMaxX() + 1, begin, width);
     for (unsigned int y = 0; y < _height; ++y) {
         const int imageY = static_cast<int>(y) - dataWindow.GetMinY();
-        const bool isInside = layer && imageY >= 0 && imageY < static_cast<int>(layer->height);
+        const bool isInside =
+            layer && begin < end && imageY >= 0 && imageY < static_cast<int>(layer->height);
         // Images go from top to bottom, Hydra's buffers from bottom to top.
         unsigned char* target = _pixels.data() + (_height - 1 - y) * rowBytes;
         if (isInside && (isCopied || isComposited)) {
