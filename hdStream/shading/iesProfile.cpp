@@ -144,13 +144,13 @@ std::string ReadTable(Numbers* numbers, Table* table) {
     return {};
 }
 
-/// Adds a column half-way between two others. \return its number.
-std::size_t AddMean(std::size_t a, std::size_t b, Table* table) {
+/// Adds a column between two others, linear from `a` at 0 to `b` at 1. \return its number.
+std::size_t AddBetween(std::size_t a, std::size_t b, double at, Table* table) {
     const std::size_t numPolars = table->polars.size();
     const std::size_t column = table->candela.size() / numPolars;
     for (std::size_t i = 0; i < numPolars; ++i) {
-        table->candela.push_back(
-            0.5 * (table->candela[a * numPolars + i] + table->candela[b * numPolars + i]));
+        table->candela.push_back((1.0 - at) * table->candela[a * numPolars + i] +
+                                 at * table->candela[b * numPolars + i]);
     }
     return column;
 }
@@ -194,8 +194,10 @@ std::vector<std::pair<double, std::size_t>> WholeCircle(Table* table) {
         }
         std::sort(whole.begin(), whole.end());
         if (whole.front().first > 0.0) { // none at 180 degrees, and so none at 0
-            whole.insert(whole.begin(),
-                         {0.0, AddMean(whole.front().second, whole.back().second, table)});
+            const double after = whole.front().first;
+            const double before = 360.0 - whole.back().first;
+            whole.insert(whole.begin(), {0.0, AddBetween(whole.front().second, whole.back().second,
+                                                         after / (after + before), table)});
         }
         whole.emplace_back(360.0, whole.front().second);
         return whole;

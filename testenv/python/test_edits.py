@@ -268,3 +268,54 @@ def test_a_material_with_nodes_of_another_follows_them(attribute, value, tmp_pat
         fresh, whole = SessionOf(stage)
         whole.Update(1.0)
         assert before != session.Dump() == fresh.Dump()
+
+
+_OWNER = """def Material "Owner" {{
+    {declared}
+    def NodeGraph "Graph" {{ float3 outputs:out.connect = </Third/A.outputs:rgb> }} }}
+def Material "Third" {{
+    color3f inputs:tint = (1, 0, 1)
+    color3f inputs:other = (1, 1, 1)
+    def Shader "A" {{ uniform token info:id = "UsdUVTexture"
+        float4 inputs:fallback = (1, 0, 0, 1)
+        float3 outputs:rgb }}
+    def Shader "B" {{ uniform token info:id = "UsdUVTexture"
+        float4 inputs:fallback = (0, 0, 1, 1)
+        float3 outputs:rgb }} }}
+def Material "Heir" {{ token outputs:surface.connect = </Heir/Surface.outputs:surface>
+    def Shader "Surface" {{ uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = {connected}
+        token outputs:surface }} }}
+def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </Heir> }}
+"""
+
+
+def _Connect(path, *targets):
+    return lambda stage: stage.GetAttributeAtPath(path).SetConnections([Sdf.Path(target) for target in targets])
+
+
+_ON_THE_WAY = {
+    "valueWhereNoneWas": ("color3f inputs:tint", "</Owner.inputs:tint>",
+                          lambda stage: stage.GetAttributeAtPath("/Owner.inputs:tint").Set(Gf.Vec3f(0, 1, 0))),
+    "attributeIsMade": ("", "</Owner.inputs:tint>", lambda stage: stage.GetPrimAtPath("/Owner").CreateAttribute(
+        "inputs:tint", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(0, 1, 0))),
+    "graphIsRedirected": ("", "</Owner/Graph.outputs:out>", _Connect("/Owner/Graph.outputs:out", "/Third/B.outputs:rgb")),
+    "interfaceIsRedirected": ("color3f inputs:tint.connect = </Third.inputs:tint>", "</Owner.inputs:tint>",
+                              _Connect("/Owner.inputs:tint", "/Third.inputs:other")),
+    "connectionIsCleared": ("color3f inputs:tint = (0, 0, 1)\ncolor3f inputs:tint.connect = </Third.inputs:tint>",
+                            "</Owner.inputs:tint>", _Connect("/Owner.inputs:tint"))}
+
+
+@pytest.mark.parametrize("name", _ON_THE_WAY)
+def test_edits_on_the_way_to_another_material_are_followed(name, tmp_path):
+    """Where the edited attribute is not what the value came from."""
+    declared, connected, edit = _ON_THE_WAY[name]
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + _OWNER.format(declared=declared, connected=connected))))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    before = session.Dump()
+    edit(stage)
+    translation.Update(1.0)
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert before != session.Dump() == fresh.Dump()

@@ -81,6 +81,13 @@ TEST(IesProfileTest, HalvesOfAnOddNumberOfStepsAreMirrored) {
     }
 }
 
+/// Of uneven steps too: what is at 0 degrees is what a line gives at 180.
+TEST(IesProfileTest, HalvesOfUnevenStepsAreMirrored) {
+    const IesProfile profile = Parse(FileOf("0 90", "90 120 200 270", "0 10 0 20 0 60 0 10", 2, 4));
+    ASSERT_FLOAT_EQ(profile.azimuths.front(), 0.0F);
+    EXPECT_FLOAT_EQ(Value(profile, 0, 1), 20.0F + 60.0F / 80.0F * 40.0F);
+}
+
 TEST(IesProfileTest, WholeCirclesEndWhereTheyBegin) {
     EXPECT_EQ(Parse(FileOf("0 90", "0 120 240 360", "1 2 3 4 5 6 1 2", 2, 4)).azimuths.size(), 4U);
     const IesProfile open = Parse(FileOf("0 90", "0 120 240", "1 2 3 4 5 6", 2, 3));

@@ -106,6 +106,8 @@ class MaterialReader:
         found = {}
         for context in _CONTEXTS:
             output = material.GetOutput(context + terminal)
+            if output:
+                self._NoteOrigins(output.GetAttr())
             source = _FindSource(output) if output else None
             if source is not None:
                 found[context] = source
@@ -118,18 +120,31 @@ class MaterialReader:
             self._warn(material.GetPrim(), f"surface shader {identifier} is not supported; {_CONTEXTS[drawn]} is used")
         return found[drawn]
 
-    def _NoteOrigin(self, prim):
-        path = prim.GetPath().pathString
+    def _NoteOrigins(self, attribute):
+        """The prims of all connections that lead from an attribute of a prim that is noted to what its value comes from, also of
+        those that lead nowhere: an edit may let them."""
+        pending = [attribute]
+        seen = set()
+        while pending:
+            attribute = pending.pop()
+            for path in attribute.GetConnections():
+                if path not in seen:
+                    seen.add(path)
+                    self._NoteOrigin(path.GetPrimPath().pathString)
+                    source = attribute.GetStage().GetAttributeAtPath(path)
+                    pending += [source] if source else []
+
+    def _NoteOrigin(self, path):
         if not path.startswith(self._inside) and path != self._inside[:-1]:
             self.borrowed.setdefault(self._inside[:-1], set()).add(path)
 
     def _ReadNode(self, prim, pending):
-        self._NoteOrigin(prim)
         shader = UsdShade.Shader(prim)
         parameters = {}
         connections = {}
         for shaderInput in shader.GetInputs():
             name = shaderInput.GetBaseName()
+            self._NoteOrigins(shaderInput.GetAttr())
             attributes = UsdShade.Utils.GetValueProducingAttributes(shaderInput)
             source = _SourceOf(attributes[0]) if attributes else None
             if source is not None:
@@ -143,7 +158,6 @@ class MaterialReader:
         return _core.MaterialNode(prim.GetPath().pathString, shader.GetShaderId() or "", parameters, connections)
 
     def _ReadParameter(self, attribute, name, parameters):
-        self._NoteOrigin(attribute.GetPrim())
         value = attribute.Get(self._timeCode)
         if value is None:
             return
