@@ -41,7 +41,10 @@ KernelFeatures MakeGeneral(const KernelFeatures& features, bool isLayered) {
     general.meshLights = true;
     general.groups = true;
     if (isLayered) {
-        general.lobes = HDS_LOBES_ALL & ~(HDS_LOBES_ALONE | HDS_LOBE_RETRO | HDS_LOBE_COVERED);
+        // Coats with frames are sampled before what lies below them, and others after that: where
+        // none has one, kernels that know frames have other bits.
+        general.lobes = HDS_LOBES_ALL & ~(HDS_LOBES_ALONE | HDS_LOBE_RETRO | HDS_LOBE_COVERED |
+                                          (~features.lobes & HDS_LOBE_COAT_FRAME));
         general.media = true;
         general.closures = true;
         general.texturedEmission = true;

@@ -162,8 +162,13 @@ bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate
     Counts counts{};
     std::uint32_t numBegun = 0;
     std::uint32_t iterations = 1;
+    bool isOver = false; // once told, it is not asked again
+    const IsCancelled isStopped = [&] {
+        isOver = isOver || (isCancelled && isCancelled());
+        return isOver;
+    };
     while (true) {
-        if (isCancelled && isCancelled()) {
+        if (isStopped()) {
             return false;
         }
         std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
@@ -183,7 +188,7 @@ bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate
         const bool isAnyWaiting = std::any_of(waiting, waiting + WaveQueues::NumWaiting,
                                               [](std::uint32_t count) { return count > 0; });
         if (isAnyWaiting && isAlone && !begins) {
-            counts = ProcessRequestsAndResume(counts, shade, isCancelled);
+            counts = ProcessRequestsAndResume(counts, shade, isStopped);
             ++iterations;
         } else if (counts[HDS_COUNTER_READY] > 0) {
             counts = ShadeReady(counts, nullptr, 0, shade);

@@ -35,8 +35,8 @@ def _AssertSameBits(stage, cache: str, **settings) -> None:
         assert general.layers[name].tobytes() == own.layers[name].tobytes(), name
 
 
-@pytest.mark.parametrize("write", [formStages.Layered, formStages.Textured, formStages.ManyLights, formStages.FewShaped, formStages.Nested],
-                         ids=lambda write: write.__name__)
+@pytest.mark.parametrize("write", [formStages.Layered, formStages.Textured, formStages.ManyLights, formStages.FewShaped, formStages.Nested,
+                                   formStages.Smooth, formStages.InsideGlass], ids=lambda write: write.__name__)
 def test_form_stages(write, Cache, tmp_path):
     """Each shows surfaces and lights of unlike kinds side by side."""
     path = f"{tmp_path}/stage.usda"

@@ -65,6 +65,7 @@ TEST(GeneralKernels, LayeredSurfacesTakeTheSlowerSet) {
     features.lobes = HDS_LOBE_BASE | HDS_LOBE_COAT;
     ASSERT_EQ(GeneralFeatures(features).size(), 1U);
     EXPECT_TRUE(GeneralFeatures(features).front().media);
+    EXPECT_EQ(GeneralFeatures(features).front().lobes & HDS_LOBE_COAT_FRAME, 0U) << "other bits";
     features.lobes |= HDS_LOBE_COAT_FRAME; // a coat over bumps, as of car paint
     EXPECT_EQ(GeneralFeatures(features).size(), 1U);
     // Shading for eight paths does not know films, nor Schlick's terms; others are rare.
