@@ -412,7 +412,7 @@ def test_a_file_that_cannot_be_written_costs_no_other(stage, tmp_path, monkeypat
         return write(self, file, *further)
 
     monkeypatch.setattr(image.Image, "Write", Write)
-    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "left; cannot write", "mattes1.exr")
+    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "device; cannot write", "mattes1.exr")
     assert {path.name for path in tmp_path.glob("*.exr")} == {"deep.0001.exr"}
 
 
