@@ -9,6 +9,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -126,9 +127,16 @@ void BindWriting(nb::module_& module) {
     module.def("IsWorkingSpace", &IsWorkingSpace, "name"_a,
                "Whether the setting workingSpace takes a name.");
     module.def(
-        "ColorConfigIdentity", &ColorConfigIdentity,
-        "A text that changes when the colour configuration in force does. Raises Error where "
-        "$OCIO cannot be read.");
+        "FindColorConfigSources",
+        [] {
+            ColorConfigSources sources = FindColorConfigSources();
+            return std::make_pair(std::move(sources.files), std::move(sources.words));
+        },
+        "(files, words) that the colour configuration in force is made of: its own file and those "
+        "of its tables; $OCIO where it is no file, and what its transforms name. Raises Error "
+        "where $OCIO cannot be read.");
+    module.def("RefreshColorConfig", &RefreshColorConfig, ReleaseGil(),
+               "Has the colour configuration loaded again where a file of it has changed.");
     module.def("AddDenoiserLibrary", &AddDenoiserLibrary, "file"_a,
                "A file of Open Image Denoise that is tried before the system's.");
     module.def("CheckDenoiser", &CheckDenoiser, ReleaseGil(),

@@ -5,7 +5,7 @@
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/commit.h"
 #include "hdStream/session/settings.h"
-#include "hdStream/texture/colorConversion.h" // ColorConfigIdentity, which front ends ask for
+#include "hdStream/texture/colorConversion.h" // ColorConfigSources, which front ends ask for
 
 #include <string>
 

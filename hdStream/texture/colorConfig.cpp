@@ -2,6 +2,7 @@
 #include "hdStream/texture/colorConfig.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/texture/colorConfigSources.h"
 #include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/oneLine.h"
 
@@ -13,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <sstream>
 #include <string>
@@ -236,6 +238,34 @@ std::string EnvironmentConfig() {
     return value ? value : "";
 }
 
+struct LoadedConfig {
+    std::string name; ///< empty: the built-in one
+    OCIO::ConstConfigRcPtr config;
+    std::string identity;
+};
+
+std::mutex loadedMutex;
+std::shared_ptr<const LoadedConfig> lastLoaded;
+
+/// The configuration in force.
+std::shared_ptr<const LoadedConfig> Loaded() {
+    const std::string name = EnvironmentConfig();
+    const std::lock_guard<std::mutex> lock(loadedMutex);
+    if (lastLoaded && lastLoaded->name == name) {
+        return lastLoaded;
+    }
+    try {
+        const OCIO::ConstConfigRcPtr config =
+            name.empty() ? BuiltInColorConfig() : OCIO::Config::CreateFromFile(name.c_str());
+        lastLoaded = std::make_shared<const LoadedConfig>(
+            LoadedConfig{name, config, IdentityOf(SourcesOf(config, name))});
+    } catch (const std::exception& failure) {
+        throw Error("OCIO: cannot read the colour configuration '" + name +
+                    "': " + OneLine(failure.what()));
+    }
+    return lastLoaded;
+}
+
 bool Knows(const OCIO::ConstConfigRcPtr& config, const std::string& space) {
     return config->getColorSpace(space.c_str()) != nullptr;
 }
@@ -284,27 +314,27 @@ bool HasUserColorConfig() {
     return !EnvironmentConfig().empty();
 }
 
-std::string ColorConfigIdentity() {
-    return ColorConfig()->getCacheID();
+OCIO::ConstConfigRcPtr ColorConfig() {
+    return Loaded()->config;
 }
 
-OCIO::ConstConfigRcPtr ColorConfig() {
-    static std::mutex mutex;
-    static std::string loadedName;
-    static OCIO::ConstConfigRcPtr loaded;
-    const std::string name = EnvironmentConfig();
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (loaded && loadedName == name) {
-        return loaded;
+std::string ColorConfigIdentity() {
+    return Loaded()->identity;
+}
+
+ColorConfigSources FindColorConfigSources() {
+    RefreshColorConfig();
+    const std::shared_ptr<const LoadedConfig> loaded = Loaded();
+    return SourcesOf(loaded->config, loaded->name);
+}
+
+void RefreshColorConfig() {
+    const std::lock_guard<std::mutex> lock(loadedMutex);
+    if (lastLoaded && !lastLoaded->name.empty() &&
+        IdentityOf(SourcesOf(lastLoaded->config, lastLoaded->name)) != lastLoaded->identity) {
+        lastLoaded.reset();
+        OCIO::ClearAllCaches(); // it keeps tables by the names of their files
     }
-    try {
-        loaded = name.empty() ? BuiltInColorConfig() : OCIO::Config::CreateFromFile(name.c_str());
-    } catch (const std::exception& failure) {
-        throw Error("OCIO: cannot read the colour configuration '" + name +
-                    "': " + OneLine(failure.what()));
-    }
-    loadedName = name;
-    return loaded;
 }
 
 } // namespace hds

@@ -13,7 +13,8 @@
 
 namespace hds {
 
-/// The configuration; read again when $OCIO has changed since the last call. Thread-safe as long
+/// The configuration; read again when $OCIO has changed since the last call, or
+/// RefreshColorConfig has found other files. Thread-safe as long
 /// as no thread changes the environment meanwhile.
 /// \throws Error that names the file when $OCIO cannot be read
 OCIO_NAMESPACE::ConstConfigRcPtr ColorConfig();

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace hds {
 
@@ -30,9 +31,25 @@ bool IsDataSpace(const std::string& space);
 /// \throws Error as ColorConfig
 bool IsColorSpace(const std::string& name);
 
-/// A text that changes when the configuration in force, or a file that it uses, does. Thread-safe.
+/// What the configuration in force is made of.
+struct ColorConfigSources {
+    std::vector<std::string> files; ///< its own, and those of its tables
+    /// $OCIO where it is no file, and what its transforms name, with the values of variables
+    std::vector<std::string> words;
+};
+
+/// After RefreshColorConfig. Thread-safe.
 /// \throws Error as ColorConfig
+ColorConfigSources FindColorConfigSources();
+
+/// A text that is another one for another configuration: for other words or, by path, size, date
+/// and their ends, for other files than it was loaded with. Thread-safe. \throws Error as
+/// ColorConfig
 std::string ColorConfigIdentity();
+
+/// Has the configuration loaded again where a file of it has changed since it was loaded. What
+/// holds the old one keeps it. Thread-safe.
+void RefreshColorConfig();
 
 /// Colours from one space to another. Immutable after construction, thread-safe.
 class ColorConversion {

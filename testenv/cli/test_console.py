@@ -75,3 +75,12 @@ def test_a_working_folder_that_is_not_utf8_is_named(tmp_path, command):
     WriteStage(tmp_path).rename(tmp_path / "s.usda")
     os.rename(tmp_path / "s.usda", folder + b"/s.usda")
     AssertFails(Run(*command, cwd=folder), 2, "bad\\udcff", "not UTF-8")
+
+
+def test_a_working_folder_from_which_nothing_is_named_may_have_any_name(tmp_path):
+    folder = os.fsencode(tmp_path) + b"/bad\xff"
+    os.mkdir(folder)
+    stage, image = WriteStage(tmp_path), tmp_path / "o.exr"
+    for command in (["info", stage], ["record", stage, image, *SMALL], ["compare", image, image], ["devices"]):
+        done = Run(*command, cwd=folder)
+        assert done.code == 0 and not done.errors, done.text

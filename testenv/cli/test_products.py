@@ -407,10 +407,22 @@ def test_a_file_that_cannot_be_written_costs_no_other(stage, tmp_path, monkeypat
     write = image.Image.Write
 
     def Write(self, file, *further):
-        if "main" in file:
+        if "main" in file or "mattes1" in file:
             raise _core.Error(f"cannot write '{file}': No space left on device")
         return write(self, file, *further)
 
     monkeypatch.setattr(image.Image, "Write", Write)
-    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "No space left")
-    assert {path.name for path in tmp_path.glob("*.exr")} == {"mattes1.exr", "deep.0001.exr"}
+    AssertFails(RunHere("record", stage, *_SELECT, "--frames", "1"), 1, "main.0001.exr", "device; cannot write", "mattes1.exr")
+    assert {path.name for path in tmp_path.glob("*.exr")} == {"deep.0001.exr"}
+
+
+def test_statistics_are_written_where_the_picture_cannot_be(tmp_path, monkeypatch):
+    from hdstream import image
+
+    def Write(self, file, *further):
+        raise _core.Error(f"cannot write '{file}': No space left on device")
+
+    monkeypatch.setattr(image.Image, "Write", Write)
+    stats = tmp_path / "stats.json"
+    AssertFails(RunHere("record", WriteStage(tmp_path, ANIMATED), tmp_path / "o.exr", *SMALL, "--stats", stats), 1, "No space left")
+    assert '"device"' in stats.read_text()

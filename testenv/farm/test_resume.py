@@ -7,6 +7,8 @@ import shutil
 
 import pytest
 
+from hdstream import _core
+
 from cliCase import ANIMATED, SECONDS, AssertFails, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
 from hdstream.resume import AssetHashes
@@ -123,6 +125,56 @@ def test_another_color_configuration_makes_other_frames(tmp_path):
     assert IsThereWith("[2, 2, 2, 1]"), "written again, and the same"
     assert not IsThereWith("[3, 3, 3, 1]")
     assert output.read_bytes() != first
+
+
+_TABLE = "Version 1\nFrom 0 1\nLength 2\nComponents 1\n{{\n 0.0\n {}\n}}\n"
+
+
+@pytest.fixture(name="colors")
+def MakeColors(tmp_path, monkeypatch):
+    """A configuration whose space is made of a table of the folder `luts`, and of a variable."""
+    config = tmp_path / "config.ocio"
+    transform = "!<GroupTransform> {children: [!<FileTransform> {src: a.spi1d}, !<ColorSpaceTransform> {src: $CAM, dst: linear}]}"
+    text = _CONFIG.replace("!<ExponentTransform> {{value: {}}}", transform.replace("{", "{{").replace("}", "}}")).format()
+    config.write_text("\n".join([text.split("\n")[0], "search_path: luts", "environment: {CAM: linear}", *text.split("\n")[1:]]) +
+                      "  - !<ColorSpace> {name: other, to_scene_reference: !<ExponentTransform> {value: [2, 2, 2, 1]}}\n")
+    (tmp_path / "luts").mkdir()
+    (tmp_path / "luts" / "a.spi1d").write_text(_TABLE.format("1.0"))
+    monkeypatch.setenv("OCIO", str(config))
+    return config
+
+
+def test_a_table_of_the_color_configuration_counts_by_its_bytes(colors, tmp_path):
+    """In one process, as a worker of a farm sees it."""
+    stage = WriteStage(tmp_path, ANIMATED.replace("intensity = 1", 'intensity = 1\n    color3f inputs:color = (0.5, 0.5, 0.5) '
+                                                  '(colorSpace = "camera")\n'))
+    table, output, fresh = tmp_path / "luts" / "a.spi1d", tmp_path / "o.exr", tmp_path / "fresh.exr"
+    assert not IsThere(Record(stage, output, 2))
+    first = output.read_bytes()
+    shutil.copy(table, tmp_path / "copy")
+    os.replace(tmp_path / "copy", table)
+    assert IsThere(Record(stage, output, 2)), "the same bytes in another file"
+    table.write_text(_TABLE.format("0.2"))
+    assert not IsThere(Record(stage, output, 2))
+    assert output.read_bytes() != first
+    other = Run("record", stage, fresh, *RESUME, "--samples", 2)
+    assert other.code == 0 and SameImages(fresh, output), "what another process makes"
+    result = Run("record", stage, output, *RESUME, "--samples", 2, environment={"CAM": "other"})
+    assert result.code == 0 and not IsThere(result), "a variable that a transform names"
+
+
+def test_a_color_configuration_that_is_rewritten_is_loaded_again(colors):
+    before = _core.FindColorConfigSources()
+    assert before == ([str(colors), str(colors.parent / "luts" / "a.spi1d")], ["", "linear", "linear"])
+    colors.write_text(colors.read_text().replace("src: a.spi1d", "src: a.spi1d, cccid: another"))
+    assert _core.FindColorConfigSources() == (before[0], ["another", *before[1][1:]])
+
+
+def test_a_color_configuration_that_cannot_be_read_costs_no_frame(stage, tmp_path):
+    environment = {"OCIO": str(tmp_path / "none.ocio")}
+    for isThere in (False, True):
+        result = Run("record", stage, tmp_path / "o.exr", *RESUME, "--samples", 2, environment=environment)
+        assert result.code == 0 and not result.errors and IsThere(result) == isThere, result.text
 
 
 def test_frames_that_the_edit_does_not_reach_stay(stage, tmp_path):

@@ -55,7 +55,7 @@ def Main(arguments=None):
     for word in arguments:
         if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
             parser.error(f"{ascii(word)}: neither OpenUSD nor image files can have names that are not UTF-8")
-    folder = _WorkingFolder()
+    folder = _WorkingFolder() if _OpensHere(args) else ""
     if not folder.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in folder):
         parser.error(f"the working folder {ascii(folder)}: OpenUSD can open nothing in folders whose names are not UTF-8")
     if not args.name:
@@ -79,6 +79,12 @@ def Main(arguments=None):
         return _Fail(args, OneLine(where + (error.strerror or str(error))), EXIT_FAILURE)
     except Exception as error:  # pylint: disable=broad-except
         return _FailUnexpected(args, error)
+
+
+def _OpensHere(args):
+    """Whether the command opens a stage, and one of its files is named from the working folder."""
+    files = (getattr(args, name, None) for name in ("output", "stats", "json"))
+    return hasattr(args, "stage") and any(not os.path.isabs(file) for file in (args.stage, *filter(None, files)))
 
 
 def _WorkingFolder():

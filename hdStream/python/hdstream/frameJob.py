@@ -96,6 +96,8 @@ class FrameWriter:
         outputs = self._OutputsOf(frame) if image.samples > 0 else ()
         writes = [lambda: self._SaveSums(frame, image)]  # first: where a picture cannot be written, they are not lost
         writes += [functools.partial(self._WriteDone, image, output, done) for output in outputs]
+        if frame.statsFile and image.samples > 0:
+            writes.append(lambda: WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n"))
         errors = []
         for write in writes:
             try:
@@ -103,13 +105,11 @@ class FrameWriter:
             except (_core.Error, CommandError) as error:  # costs no other file its picture
                 errors.append(error)
         if errors:
-            raise errors[0]
+            raise _Joined(errors)
         if image.samples == 0:
             return False
         if self._job.snapshotSeconds > 0.0:
             RemoveParts(output.file for output in outputs)
-        if frame.statsFile:
-            WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
         return True
 
     def _WriteDone(self, image, output, done):
@@ -184,6 +184,12 @@ class FrameWriter:
         if device != own:
             self.renderer.Warn(frame.file, f"samples of {device} are continued on {own}: its bits are those of neither")
         return (kept,)
+
+
+def _Joined(errors):
+    """One error with the texts of all; the first says what it is."""
+    first, text = errors[0], "; ".join(str(error) for error in errors)
+    return CommandError(text, first.exitCode) if isinstance(first, CommandError) else type(first)(text)
 
 
 def _IsExr(file):

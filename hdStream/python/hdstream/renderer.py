@@ -249,6 +249,7 @@ class Renderer:
             if name not in known:
                 raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
         self._isCancelled.clear()
+        _core.RefreshColorConfig()
         self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
 
     def _RenderFilm(self, onProgress, start):

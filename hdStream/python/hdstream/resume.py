@@ -65,12 +65,21 @@ def _WithoutBits():
     return {"samples", *(info.name for info in _core.SettingTable() if info.group in groups)}
 
 
+def _ColorsOf(assetHashes):
+    """What says which colour configuration is in force: by contents, wherever its files are."""
+    try:
+        files, words = _core.FindColorConfigSources()
+    except _core.Error:  # a scene without named spaces needs none
+        return f"unreadable {os.environ.get('OCIO', '')}"
+    return json.dumps([words, [assetHashes.Of(file) for file in files]])
+
+
 def KeyOf(renderer, assetHashes):
     """The key of the frame that is prepared."""
     withoutBits = _WithoutBits()
     values = {name: value for name, value in renderer.settings.items() if name not in withoutBits}
     digest = hashlib.blake2b(digest_size=16)
-    for text in (_core.VERSION, _core.KernelSourceHash(), _core.ColorConfigIdentity(), renderer.SceneText(),
+    for text in (_core.VERSION, _core.KernelSourceHash(), _ColorsOf(assetHashes), renderer.SceneText(),
                  json.dumps(values, sort_keys=True)):
         digest.update(text.encode() + b"\0")
     for file in renderer.AssetFiles():
