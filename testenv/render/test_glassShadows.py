@@ -124,7 +124,7 @@ def test_stages_without_glass_neither_change_nor_pay(tmp_path):
     lights = [_Sun(), ("Dome", dict(intensity=0.2))]
     for number, surface in enumerate((dict(base_color=(0.2, 0.5, 0.8)), dict(_GLASS, thin_walled=True))):
         path = _Stage(tmp_path / f"{number}.usda", surface, lights)
-        on, off = (ours.Render(path, 16, 16, samples=4, waveSize=1024, glassShadows=value) for value in (True, False))
+        on, off = (ours.Render(path, 16, 16, samples=4, waveSize=1024, kernels="own", glassShadows=value) for value in (True, False))
         assert on.layers["color"].tobytes() == off.layers["color"].tobytes()
         assert on.statistics["memory"]["pathState"] == off.statistics["memory"]["pathState"]
 

@@ -230,7 +230,7 @@ def test_threads_do_not_matter_to_media(Mixed, Expected):
 
 
 def test_stages_without_media_have_no_state_of_them(tmp_path):
-    plain, walked = (ours.Render(_Stage(tmp_path / f"{k}.usda", _BALL(), surface), 16, 16, samples=1, waveSize=1024)
+    plain, walked = (ours.Render(_Stage(tmp_path / f"{k}.usda", _BALL(), surface), 16, 16, samples=1, waveSize=1024, kernels="own")
                      .statistics["memory"]["pathState"] for k, surface in enumerate([dict(_CLEAR), _Below(0.8, 0.2)]))
     assert walked - plain == 1024 * 3 * 16  # kernels/shared/pathState.def
 

@@ -469,7 +469,8 @@ def test_stages_without_media_in_meshes_have_no_state_of_them(tmp_path):
     walk = lambda stage: author.AddMesh(stage, "/World/Wax", _BALL, material=AddSurface(
         stage, "/World/Look", subsurface=1.0, opacity=(0.5, 0.5, 0.5)))
     paths = [_Stage(tmp_path / "a.usda", [], add=walk), _Stage(tmp_path / "b.usda", [(_BALL, dict(absorption=1.0), {})], add=None)]
-    plain, filled = (ours.Render(path, 16, 16, samples=1, waveSize=1024).statistics["memory"]["pathState"] for path in paths)
+    plain, filled = (ours.Render(path, 16, 16, samples=1, waveSize=1024, kernels="own").statistics["memory"]["pathState"]
+                     for path in paths)
     assert filled - plain == 1024 * 4 * 16  # kernels/shared/pathState.def
 
 

@@ -246,11 +246,11 @@ def test_what_has_no_priority_or_no_inside_keeps_no_account(tmp_path, priority, 
     author.AddCamera(stage, eye=(0, 0, 10), width=22.0, aspect=1.0, orthographic=True)
     stage.GetRootLayer().Save()
     path = stage.GetRootLayer().realPath
-    plain = ours.Render(path, 16, 16, samples=4, waveSize=1024)
+    plain = ours.Render(path, 16, 16, samples=4, waveSize=1024, kernels="own")
     if priority is not None:
         UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("hdstream:dielectricPriority", Sdf.ValueTypeNames.Int).Set(priority)
         stage.GetRootLayer().Save()
-    given = ours.Render(path, 16, 16, samples=4, waveSize=1024)
+    given = ours.Render(path, 16, 16, samples=4, waveSize=1024, kernels="own")
     assert given.layers["color"].tobytes() == plain.layers["color"].tobytes()
     assert given.statistics["memory"]["pathState"] == plain.statistics["memory"]["pathState"]
 
