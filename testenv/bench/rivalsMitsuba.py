@@ -37,7 +37,8 @@ def Build(scene, job: dict):
     sensor = mitsubaScene.Sensor(scene.camera, job["width"], job["height"])
     sensor["sampler"] = {"type": _SAMPLER}
     passes = _PASSES if any(material.get("opacity", 1.0) != 1.0 for material in scene.materials) else 0
-    integrator = {"type": "path", "max_depth": job["maxDepth"] + 2 + passes, "rr_depth": 100000}
+    integrator = {"type": "path", "max_depth": job["maxDepth"] + 2 + passes,
+                  "rr_depth": job.get("rouletteDepth", 100000)}
     if rivalsMatter.HasMatter(scene):
         integrator = {"type": "volpath", "max_depth": rivalsMatter.DEPTH, "rr_depth": 100000}
     content = {"type": "scene", "sensor": sensor, "integrator": integrator}

@@ -125,14 +125,14 @@ def _Work(job: dict) -> None:
     os._exit(0)
 
 
-class _Renderer:
-    """A process that stays."""
+class Renderer:
+    """A process that stays: a script that renders what lines of its input ask for."""
 
-    def __init__(self, job: dict, kernels, folder: pathlib.Path):
+    def __init__(self, script: str, job: dict, kernels, folder: pathlib.Path):
         environment = {**os.environ, "POCL_MAX_PTHREAD_COUNT": str(job["threads"])}
         if kernels:
             environment["HDSTREAM_KERNEL_DIR"] = str(kernels)
-        self._process = subprocess.Popen([sys.executable, __file__, "--work", json.dumps(job)], stdin=subprocess.PIPE,
+        self._process = subprocess.Popen([sys.executable, script, "--work", json.dumps(job)], stdin=subprocess.PIPE,
                                          stdout=subprocess.PIPE, text=True, env=environment)
         self._out = str(folder / f"{id(self)}.npy")
 
@@ -142,7 +142,7 @@ class _Renderer:
         for line in self._process.stdout:
             if line.startswith("SECONDS "):
                 return np.load(self._out).astype(np.float64), float(line.split()[1])
-        raise SystemExit("smoothSurfaces.py: a renderer has ended")
+        raise SystemExit(f"{pathlib.Path(sys.argv[0]).name}: a renderer has ended")
 
     def Close(self) -> None:
         self._process.stdin.close()
@@ -156,11 +156,11 @@ def _Compare(name: str, args, folder: pathlib.Path) -> None:
     smooth.WRITERS[name](str(path))
     aspect = 2.0 if name == "wideSky" else 4 / 3
     job = dict(stage=str(path), width=args.width, height=round(args.width / aspect), maxDepth=smooth.MAX_DEPTH[name], threads=args.threads)
-    renderers = {"here": _Renderer(dict(job, renderer="hdstream"), _KERNELS, folder)}
+    renderers = {"here": Renderer(__file__, dict(job, renderer="hdstream"), _KERNELS, folder)}
     if args.before:
-        renderers["before"] = _Renderer(dict(job, renderer="hdstream"), args.before, folder)
+        renderers["before"] = Renderer(__file__, dict(job, renderer="hdstream"), args.before, folder)
     if args.mitsuba and name != "softboxes":
-        renderers["mitsuba"] = _Renderer(dict(job, renderer="mitsuba"), None, folder)
+        renderers["mitsuba"] = Renderer(__file__, dict(job, renderer="mitsuba"), None, folder)
     halves = {}
     for who, renderer in renderers.items():
         renderer.Render(args.samples, 998)
