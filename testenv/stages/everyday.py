@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages of ordinary kinds that nothing is tuned by: a corridor of many small lamps, a room behind curtains, a kitchen of metal, wood
-and tiles, a product between softboxes, foliage below a sun. UsdPreviewSurface alone. Camera: /World/Camera.
+and tiles, a product between softboxes, a bathroom of mirrors and panes, foliage below a sun. UsdPreviewSurface alone. Camera: /World/Camera.
 """
 
 import pathlib
@@ -11,7 +11,7 @@ from . import author, imageFile, photograph, shapes
 from .grove import _Tree
 from .textured import AddTexturedMaterial
 
-MAX_DEPTH = {"corridor": 6, "curtains": 6, "kitchen": 6, "product": 6, "foliage": 5}
+MAX_DEPTH = {"corridor": 6, "curtains": 6, "kitchen": 6, "product": 6, "bathroom": 8, "foliage": 5}
 
 
 def _AddRoom(stage, size, looks: dict) -> None:
@@ -171,6 +171,31 @@ def WriteProduct(path: str) -> None:
     stage.GetRootLayer().Save()
 
 
+def WriteBathroom(path: str) -> None:
+    """Mirrors and panes: a wall of mirrors without roughness, chrome, a shower's panes, glossy tiles, below a panel and a strip."""
+    stage = author.NewStage(path)
+    plaster = author.AddMaterial(stage, "/World/Looks/Plaster", diffuseColor=(0.75, 0.75, 0.73), roughness=0.8)
+    tiles = author.AddMaterial(stage, "/World/Looks/Tiles", diffuseColor=(0.35, 0.45, 0.5), roughness=0.1)
+    mirror = author.AddMaterial(stage, "/World/Looks/Mirror", diffuseColor=(0.92, 0.92, 0.92), metallic=1.0, roughness=0.0)
+    chrome = author.AddMaterial(stage, "/World/Looks/Chrome", diffuseColor=(0.85, 0.85, 0.87), metallic=1.0, roughness=0.0)
+    pane = author.AddMaterial(stage, "/World/Looks/Pane", diffuseColor=(0.9, 0.95, 0.93), opacity=0.0, roughness=0.0)
+    china = author.AddMaterial(stage, "/World/Looks/China", diffuseColor=(0.8, 0.8, 0.8), roughness=0.2, clearcoat=1.0)
+    _AddRoom(stage, (3, 2.5, 3), {"Walls": plaster, "Floor": tiles, "Left": tiles})
+    author.AddMesh(stage, "/World/Mirror", shapes.Plane(2.8, 1.3), material=mirror, translate=(0, 1.6, -1.49), rotate=(90, 0, 0))
+    author.AddMesh(stage, "/World/Opposite", shapes.Plane(1.4, 2.2), material=mirror, translate=(0.5, 1.2, 1.49), rotate=(-90, 0, 0))
+    author.AddMesh(stage, "/World/Basin", shapes.Torus(0.25, 0.08), material=china, translate=(0.3, 0.85, -1.1))
+    author.AddMesh(stage, "/World/Cupboard", shapes.Box(1.8, 0.76, 0.6), color=(0.3, 0.2, 0.12), translate=(0.2, 0.38, -1.15))
+    author.AddMesh(stage, "/World/Tap", shapes.Torus(0.1, 0.025), material=chrome, translate=(0.3, 0.98, -1.35), rotate=(0, 0, 90))
+    for number in range(4):
+        author.AddMesh(stage, f"/World/Knob{number}", shapes.Sphere(0.07, 24, 48), material=chrome, translate=(-0.5 + 0.45 * number, 0.84, -0.95))
+    author.AddMesh(stage, "/World/Shower0", shapes.Plane(1.0, 2.0), material=pane, doubleSided=True, translate=(-1.0, 1.0, 0.2), rotate=(90, 0, 0))
+    author.AddMesh(stage, "/World/Shower1", shapes.Plane(2.0, 1.2), material=pane, doubleSided=True, translate=(-0.5, 1.0, 0.8), rotate=(0, 0, -90))
+    author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0.2, 2.48, 0), rotate=(-90, 0, 0)), width=0.8, height=0.8, intensity=6.0)
+    author.AddLight(stage, "/World/Strip", "Rect", dict(translate=(0, 2.3, -1.4), rotate=(-30, 180, 0)), width=1.6, height=0.06, intensity=30.0)
+    author.AddCamera(stage, eye=(1.1, 1.5, 1.3), target=(-0.3, 1.1, -1.2), aspect=4 / 3, width=36.0, focalLength=20.0)
+    stage.GetRootLayer().Save()
+
+
 def WriteFoliage(path: str) -> None:
     """Nine trees of 20 000 triangles on rough ground, below a sun and a plain sky."""
     stage = author.NewStage(path)
@@ -187,4 +212,5 @@ def WriteFoliage(path: str) -> None:
     stage.GetRootLayer().Save()
 
 
-WRITERS = {"corridor": WriteCorridor, "curtains": WriteCurtains, "kitchen": WriteKitchen, "product": WriteProduct, "foliage": WriteFoliage}
+WRITERS = {"corridor": WriteCorridor, "curtains": WriteCurtains, "kitchen": WriteKitchen, "product": WriteProduct, "bathroom": WriteBathroom,
+           "foliage": WriteFoliage}
