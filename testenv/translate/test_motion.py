@@ -267,7 +267,7 @@ def test_instances_that_change_in_number_are_told(velocities):
 
 
 _CHANGING = """
-    def Xform "Rig"
+    def Xform "Rig" (prepend apiSchemas = ["MotionAPI"])
     {
         float motion:blurScale = %g
         def SphereLight "L"
