@@ -32,6 +32,9 @@ void HdStreamLight::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     if (bits & (DirtyParams | DirtyResource | DirtyShadowParams | DirtyCollection)) {
         SyncParameters(delegate, param);
     }
+    if (bits & (DirtyTransform | DirtyParams)) { // the former also when the shutter changes
+        SyncSamples(delegate, param);
+    }
     const bool isPlaced = HdStreamInstancer::IsPlaced(_prim.placement);
     if (isPlaced) {
         param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
@@ -72,7 +75,8 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
 }
 
 void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
-    _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
+    _authored = HdStreamReadLight(delegate, GetId(), _typeId, _type);
+    _prim.light = _authored;
     if (_typeId != HdPrimTypeTokens->simpleLight) { // which no exporter wrote
         HdStreamFixLight(param->Exporter(), &_prim.light);
     }
@@ -88,6 +92,16 @@ void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderPara
     }
     for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
         param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
+    }
+}
+
+void HdStreamLight::SyncSamples(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+    _prim.samples = HdStreamSampleLight(delegate, GetId(), _authored, param->Shutter());
+    for (hds::LightSample& sample : _prim.samples) {
+        hds::LightDescription light = _authored;
+        light.intensity = sample.intensity;
+        HdStreamFixLight(param->Exporter(), &light);
+        sample.intensity = light.intensity;
     }
 }
 

@@ -26,8 +26,11 @@ private:
     void SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param);
 
+    void SyncSamples(HdSceneDelegate* delegate, HdStreamRenderParam* param);
+
     TfToken _typeId;
     hds::LightType _type;
+    hds::LightDescription _authored; ///< as the exporter wrote it
     std::string _scenePath;          ///< empty until the first Sync
     bool _isPathProvisional = false; ///< no instance has told it
     hds::LightPrim _prim;

@@ -9,6 +9,7 @@
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/imaging/hd/collectionsSchema.h>
 #include <pxr/imaging/hd/light.h>
+#include <pxr/imaging/hd/lightSchema.h>
 #include <pxr/imaging/hd/material.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
@@ -26,6 +27,8 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 constexpr float kDistantIntensity = 50000.0F; ///< UsdLuxDistantLight's fallback; of others: 1
+/// Of inputs while the shutter is open, where they change: as the other front end has them.
+constexpr int kInputSteps = 8;
 
 /// Reads parameters of one light; a missing one leaves the value as it is.
 class Reader {
@@ -217,6 +220,56 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId) {
         }
     }
     return {};
+}
+
+std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, const SdfPath& id,
+                                                  const hds::LightDescription& light,
+                                                  const hds::Shutter& shutter) {
+    const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
+    if (!scene || !shutter.IsOpen()) {
+        return {};
+    }
+    const HdContainerDataSourceHandle inputs =
+        HdLightSchema::GetFromParent(scene->GetPrim(id).dataSource).GetContainer();
+    if (!inputs) {
+        return {};
+    }
+    std::map<std::string, HdSampledDataSourceHandle> sources; // of what changes, by member
+    hds::ForEachField<hds::LightSample>([&](const auto& field) {
+        for (const std::string prefix : {"", "inputs:"}) {
+            const auto source =
+                HdSampledDataSource::Cast(inputs->Get(TfToken(prefix + field.name)));
+            std::vector<HdSampledDataSource::Time> times;
+            if (source &&
+                source->GetContributingSampleTimesForInterval(
+                    static_cast<float>(shutter.open), static_cast<float>(shutter.close), &times)) {
+                sources[field.name] = source;
+            }
+        }
+    });
+    std::vector<hds::LightSample> samples;
+    for (int i = 0; !sources.empty() && i <= kInputSteps; ++i) {
+        hds::LightSample sample = hds::SampleOf(light);
+        sample.time = shutter.open + double(i) / kInputSteps * (shutter.close - shutter.open);
+        hds::ForEachField<hds::LightSample>([&](const auto& field) {
+            const auto found = sources.find(field.name);
+            if (found == sources.end()) {
+                return;
+            }
+            const VtValue value = found->second->GetValue(static_cast<float>(sample.time));
+            auto& member = sample.*field.member;
+            if constexpr (std::is_same_v<std::decay_t<decltype(member)>, float>) {
+                member = VtValue::Cast<float>(value).GetWithDefault(member);
+            } else if constexpr (std::is_same_v<std::decay_t<decltype(member)>,
+                                                std::array<float, 3>>) {
+                const GfVec3f color = VtValue::Cast<GfVec3f>(value).GetWithDefault(
+                    GfVec3f(member[0], member[1], member[2]));
+                member = {color[0], color[1], color[2]};
+            }
+        });
+        samples.push_back(sample);
+    }
+    return samples;
 }
 
 hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id) {

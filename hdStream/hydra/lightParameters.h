@@ -33,6 +33,12 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);
 hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
                                         const TfToken& typeId, hds::LightType type);
 
+/// What of a light changes while the shutter is open; empty when the scene does not tell of a
+/// change. Legacy scene delegates tell of none. \param light of the frame. Thread-safe during Sync.
+std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, const SdfPath& id,
+                                                  const hds::LightDescription& light,
+                                                  const hds::Shutter& shutter);
+
 /// The categories that a light is linked to.
 hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id);
 

@@ -285,12 +285,14 @@ void BindLight(nb::module_& module) {
         },
         "lightLink"_a = "", "shadowLink"_a = "");
     BindFields(links);
+    BindStruct<LightSample>(module, "LightSample",
+                            "What of a light changes, at a time in frames from the frame.");
     nb::class_<LightPrim> lightPrim(module, "LightPrim", "A light in the scene.");
     lightPrim
         .def(
             "__init__",
             [](LightPrim* self, const LightDescription& light, const Placement& where) {
-                new (self) LightPrim{where, light, {}, {}, {}};
+                new (self) LightPrim{where, light, {}, {}, {}, {}};
             },
             "light"_a, "placement"_a)
         .def(

@@ -208,6 +208,15 @@ public:
             Line("lens at " + Number(static_cast<float>(sample.time)), Array(values, 7));
         }
     }
+    void Samples(const std::vector<LightSample>& samples) {
+        for (const LightSample& sample : samples) {
+            const float values[] = {sample.intensity, sample.exposure, sample.color[0],
+                                    sample.color[1],  sample.color[2], sample.colorTemperature,
+                                    sample.angle,     sample.radius,   sample.width,
+                                    sample.height,    sample.length};
+            Line("light at " + Number(static_cast<float>(sample.time)), Array(values, 11));
+        }
+    }
     /// The members of a struct that are worth a line.
     template <typename T>
     void Fields(const T& object, const std::string& prefix = "") {
@@ -451,6 +460,7 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     out->Prim("light", path);
     out->Placed(prim.placement);
     out->Fields(prim.light);
+    out->Samples(prim.samples);
     for (std::size_t i = 0; i < prim.portals.size(); ++i) {
         const std::string name = "portal " + std::to_string(i);
         out->Matrix(name, prim.portals[i].worldFromPortal);

@@ -5,7 +5,7 @@
 #include "hdStream/persist/file.h"
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/scene/emissiveMeshes.h"
-#include "hdStream/scene/motion.h"
+#include "hdStream/scene/lightCells.h"
 #include "hdStream/scene/placements.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -27,29 +27,26 @@ constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
 /// Images of filters always lie in the light table: what is larger is averaged.
 constexpr std::uint32_t kMaxFilterTexels = 1024;
 
-/// The way of one placement of a light, and what is left out of that of any.
+/// Where one placement of a light is over the shutter, and how it is.
 struct LightWay {
     std::vector<LightKey> keys;
-    bool isRigid = true;
+    std::vector<LightCell> cells;
     bool hasPortals = false; ///< and would move
 
-    void Follow(const LightPrim& prim, const MovingTransform& worldFromLight) {
-        bool isRigidHere = true;
-        keys = MakeLightKeys(worldFromLight, &isRigidHere);
+    void Follow(const LightPrim& prim, const Shutter& shutter,
+                const MovingTransform& worldFromLight) {
+        bool isRigid = true;
+        keys = MakeLightKeys(worldFromLight, &isRigid);
         if (!keys.empty() && !prim.portals.empty()) {
             hasPortals = true;
             keys.clear();
-        } else {
-            isRigid = isRigid && isRigidHere;
         }
+        cells = MakeLightCells(prim, shutter, worldFromLight, keys, isRigid);
     }
 
     void Warn(const std::string& path, Warnings& warnings) const {
         if (hasPortals) {
             warnings.Add(path, "dome with portals: not blurred by its motion");
-        }
-        if (!isRigid) {
-            warnings.Add(path, "light that changes its size: it has that of the frame");
         }
     }
 };
@@ -85,6 +82,7 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
                           input.links->IndexOf(prim.links.shadowLink),
                           prim.portals,
                           prim.filters,
+                          {},
                           {}};
         for (LightPortal& portal : place.portals) {
             portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
@@ -95,9 +93,15 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
         std::size_t number = 0;
         ForEachPlacement(scene, prim.placement, input.shutter,
                          [&](const MovingTransform& worldFromLight) {
-                             way.Follow(prim, worldFromLight);
+                             way.Follow(prim, input.shutter, worldFromLight);
                              place.worldFromLight = centreFromWorld * worldFromLight.AtFrame();
                              place.keys = way.keys;
+                             place.cells = way.cells;
+                             place.light = way.cells.empty() ? light : MostOf(light, way.cells);
+                             for (LightCell& cell : place.cells) {
+                                 cell.worldFromLight = centreFromWorld * cell.worldFromLight;
+                                 cell.light.visibleToCamera = light.visibleToCamera;
+                             }
                              for (std::size_t i = 0; i < place.filters.size(); ++i) {
                                  place.filters[i].worldFromFilter =
                                      centreFromWorld * ofFilters[number].worldFromObject.AtFrame() *

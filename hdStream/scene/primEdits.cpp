@@ -82,7 +82,8 @@ bool LeavesPrims(const LightPrim& before, const LightPrim& after) {
            before.placement.visible == after.placement.visible && was.type == is.type &&
            was.textureFile == is.textureFile && was.shadow == is.shadow &&
            was.colorSpace == is.colorSpace && AreEqualBut(before, after, [](const auto& field) {
-               return field.Is(&LightPrim::placement) || field.Is(&LightPrim::light);
+               return field.Is(&LightPrim::placement) || field.Is(&LightPrim::light) ||
+                      field.Is(&LightPrim::samples);
            });
 }
 

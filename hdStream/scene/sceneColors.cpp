@@ -103,6 +103,9 @@ public:
         }
         for (auto& [path, prim] : scene->lights) {
             _path = &path;
+            for (LightSample& sample : prim.samples) {
+                ConvertSample(prim.light, &sample);
+            }
             ConvertLight(&prim.light);
             for (LightFilter& filter : prim.filters) {
                 ConvertFilter(&filter.node);
@@ -225,24 +228,40 @@ private:
         }
     }
 
+    /// \return whether a temperature still tints the colour
+    bool ConvertColor(const LightDescription& light, float temperature,
+                      std::array<float, 3>* color) {
+        const ColorConversion* conversion = Find(light.colorSpace, true, "its color");
+        if (conversion != nullptr) {
+            conversion->Apply(color->data(), 1);
+        }
+        const ColorConversion* ofFallback =
+            light.enableColorTemperature ? Find("", true, "") : nullptr;
+        if (ofFallback == nullptr) {
+            return light.enableColorTemperature;
+        }
+        const glm::vec3 blackbody(BlackbodyRgb(static_cast<double>(temperature)));
+        std::array<float, 3> rgb{blackbody.x, blackbody.y, blackbody.z};
+        ofFallback->Apply(rgb.data(), 1);
+        for (std::size_t i = 0; i < 3; ++i) {
+            (*color)[i] *= rgb[i];
+        }
+        return false;
+    }
+
+    /// \param light not converted yet
+    void ConvertSample(const LightDescription& light, LightSample* sample) {
+        ConvertColor(light, sample->colorTemperature, &sample->color);
+    }
+
     void ConvertLight(LightDescription* light) {
         const ColorConversion* conversion = Find(light->colorSpace, true, "its color");
         if (conversion != nullptr) {
-            conversion->Apply(light->color.data(), 1);
             conversion->Apply(light->shaping.focusTint.data(), 1);
             conversion->Apply(light->shadow.color.data(), 1);
         }
-        const ColorConversion* ofFallback =
-            light->enableColorTemperature ? Find("", true, "") : nullptr;
-        if (ofFallback != nullptr) {
-            const glm::vec3 blackbody(BlackbodyRgb(static_cast<double>(light->colorTemperature)));
-            std::array<float, 3> rgb{blackbody.x, blackbody.y, blackbody.z};
-            ofFallback->Apply(rgb.data(), 1);
-            for (std::size_t i = 0; i < 3; ++i) {
-                light->color[i] *= rgb[i];
-            }
-            light->enableColorTemperature = false;
-        }
+        light->enableColorTemperature =
+            ConvertColor(*light, light->colorTemperature, &light->color);
         NameConversion(&light->textureFile);
     }
 

@@ -172,13 +172,16 @@ struct InstancerPrim {
 struct LightPrim {
     Placement placement;
     LightDescription light;
+    /// In the order of time; before the first and after the last the light is as theirs. Empty: it
+    /// is as above at all times.
+    std::vector<LightSample> samples;
     LinkCategories links;
     std::vector<LightPortal> portals; ///< dome
     std::vector<LightFilter> filters; ///< placed as the light is
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(LightPrim, placement), HDS_FIELD(LightPrim, light),
-                         HDS_FIELD(LightPrim, links),
+                         HDS_FIELD(LightPrim, samples), HDS_FIELD(LightPrim, links),
                          HDS_FIELD(LightPrim, portals).NotInPython("AddPortal"),
                          HDS_FIELD(LightPrim, filters).NotInPython("AddFilter"));
     }

@@ -28,6 +28,17 @@ struct LightKey {
     }
 };
 
+/// A light whose size or emission changes, as it is in one of equal parts of the shutter's
+/// interval.
+struct LightCell {
+    LightDescription light;
+    glm::dmat4 worldFromLight{1.0}; ///< without its keys' motion, relative to the scene centre
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightCell, light), HDS_FIELD(LightCell, worldFromLight));
+    }
+};
+
 /// A light in its place.
 struct PlacedLight {
     std::string name; ///< prim path, for warnings
@@ -37,13 +48,15 @@ struct PlacedLight {
     std::uint32_t shadowLink = HDS_NONE; ///< index into LinkTable::categories
     std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
     std::vector<LightFilter> filters;    ///< relative to the scene centre
-    std::vector<LightKey> keys; ///< at equal distances in time, at least two; empty: it rests
+    std::vector<LightKey> keys;   ///< at equal distances in time, at least two; empty: it rests
+    std::vector<LightCell> cells; ///< in the order of time; empty: it is `light` at all times
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(PlacedLight, name), HDS_FIELD(PlacedLight, light),
                          HDS_FIELD(PlacedLight, worldFromLight), HDS_FIELD(PlacedLight, lightLink),
                          HDS_FIELD(PlacedLight, shadowLink), HDS_FIELD(PlacedLight, portals),
-                         HDS_FIELD(PlacedLight, filters), HDS_FIELD(PlacedLight, keys));
+                         HDS_FIELD(PlacedLight, filters), HDS_FIELD(PlacedLight, keys),
+                         HDS_FIELD(PlacedLight, cells));
     }
 };
 

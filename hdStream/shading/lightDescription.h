@@ -133,6 +133,36 @@ struct LightDescription {
     }
 };
 
+/// What of a light changes over the shutter, at a time in frames from the frame; members are those
+/// of LightDescription.
+struct LightSample {
+    double time = 0.0;
+    float intensity = 1.0F;
+    float exposure = 0.0F;
+    std::array<float, 3> color{1.0F, 1.0F, 1.0F};
+    float colorTemperature = 6500.0F;
+    float angle = 0.53F;
+    float radius = 0.5F;
+    float width = 1.0F;
+    float height = 1.0F;
+    float length = 1.0F;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightSample, time), HDS_FIELD(LightSample, intensity),
+                         HDS_FIELD(LightSample, exposure), HDS_FIELD(LightSample, color),
+                         HDS_FIELD(LightSample, colorTemperature), HDS_FIELD(LightSample, angle),
+                         HDS_FIELD(LightSample, radius), HDS_FIELD(LightSample, width),
+                         HDS_FIELD(LightSample, height), HDS_FIELD(LightSample, length));
+    }
+};
+
+/// The light as it is for the frame, as a sample.
+LightSample SampleOf(const LightDescription& light);
+
+/// The light at a time between samples, which are not empty: linear, as OpenUSD has its inputs.
+LightDescription LightAt(const LightDescription& light, const std::vector<LightSample>& samples,
+                         double time);
+
 /// Attributes of lights that name their group, ours and those of hosts, the first that counts
 /// first.
 constexpr std::array<const char*, 6> kLightGroupAttributes{

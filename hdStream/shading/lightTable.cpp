@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds the tables of kernels/light from UsdLux lights and emissive meshes.
-#include "hdStream/shading/lightTable.h"
+#include "hdStream/shading/lightTableBuilder.h"
 
 #include "hdStream/shading/lightPlacement.h"
 #include "hdStream/shading/lightShaping.h"
 #include "hdStream/shading/lightTree.h"
 #include "hdStream/shading/lightUnits.h"
-#include "hdStream/shading/movingMesh.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -22,29 +21,10 @@ namespace hds {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-double Luminance(const glm::dvec3& rgb) {
-    return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
-}
-
 /// What is brighter cannot be summed over lights, areas and bounces in floats.
 constexpr double kMaxRadiance = 1e30;
 /// Of a light: sums over lights stay finite. Only ratios matter.
 constexpr double kMaxStrength = 1e28;
-/// Most of a mesh that moves: its turns between keys are not quite those of its triangles, and so
-/// its estimate must not become 0.
-constexpr float kMovingFlatness = 0.99F;
-
-bool IsShadowPlain(const LightShadow& shadow) {
-    return shadow.enable && shadow.distance < 0.0F &&
-           shadow.color == std::array<float, 3>{0.0F, 0.0F, 0.0F};
-}
-
-bool IsUsable(const glm::dvec3& radiance) {
-    return glm::all(glm::lessThanEqual(radiance, glm::dvec3(kMaxRadiance))); // false for NaN
-}
-
 std::uint32_t TypeOf(LightType type) {
     switch (type) {
     case LightType::Distant:
@@ -65,59 +45,28 @@ std::uint32_t TypeOf(LightType type) {
     return HDS_LIGHT_DOME;
 }
 
-/// Grows the tables light by light.
-class Builder {
-public:
-    Builder(const LightTableInput& input, Warnings& warnings) : _input(input), _warnings(warnings) {
-        AddLinks();
-    }
+} // namespace
 
-    void AddLight(const PlacedLight& placed);
-    void AddMesh(const EmissiveMesh& mesh);
-    LightTable Finish();
+bool IsShadowPlain(const LightShadow& shadow) {
+    return shadow.enable && shadow.distance < 0.0F &&
+           shadow.color == std::array<float, 3>{0.0F, 0.0F, 0.0F};
+}
 
-private:
-    std::uint32_t GroupOf(const PlacedLight& placed);
-    bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
-    bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
-    std::uint32_t LinkOf(std::uint32_t category) const {
-        return category == HDS_NONE ? HDS_NONE : _linkBases[category];
-    }
-    bool IsSampledAlone(const PlacedLight& placed) const {
-        return !IsShadowPlain(placed.light.shadow) || LinkOf(placed.shadowLink) != HDS_NONE;
-    }
-    void AddLinks();
-    void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
-    void AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power);
-    void AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls, double* power);
-    void AddKeys(const std::vector<LightKey>& lightKeys, shared::HdsLightControls* controls);
-    void AppendControls(const shared::HdsLightControls& controls, shared::HdsLight* light);
-    void AddMeshMotion(const EmissiveMesh& mesh, const EmissiveClusters& all,
-                       const EmissiveCluster& cluster, std::uint32_t matrixBase,
-                       shared::HdsLight* light);
-    void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
-    void WarnIgnored(const PlacedLight& placed);
-    void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
-    bool MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance);
-    shared::HdsLight BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor);
-    void AddTriangle(const EmissiveMesh& mesh, const EmissiveTriangle& triangle);
-    void AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
-                    const EmissiveCluster& cluster, shared::HdsLight light,
-                    const glm::dvec3& radiance, double factor, std::uint32_t matrixBase);
-    void AddMeshTable(std::uint32_t firstLight, std::uint32_t firstTriangle, bool isOneLight);
-    std::uint32_t BitsAt(std::uint32_t word) const {
-        std::uint32_t bits = 0;
-        std::memcpy(&bits, &_table.cdf[word], sizeof(bits));
-        return bits;
-    }
+bool IsUsableRadiance(const glm::dvec3& radiance) {
+    return glm::all(glm::lessThanEqual(radiance, glm::dvec3(kMaxRadiance))); // false for NaN
+}
 
-    const LightTableInput& _input;
-    Warnings& _warnings;
-    std::vector<std::uint32_t> _linkBases; ///< of each category
-    LightTable _table;
-};
+double PowerOf(const LightDescription& light, bool isPoint, const glm::dvec3& radiance,
+               double area) {
+    if (light.type == LightType::Distant) {
+        return Luminance(radiance) * DistantIrradiance(DistantHalfAngle(light));
+    }
+    if (light.type == LightType::Dome) {
+        return kLightPi * Luminance(radiance);
+    }
+    return isPoint ? Luminance(radiance) * 4.0 * kLightPi : Luminance(radiance) * kLightPi * area;
+}
 
-/// A light that shines alike in all directions on everything.
 shared::HdsLight PlainLight() {
     shared::HdsLight light{};
     light.treePlace = HDS_NONE;
@@ -129,7 +78,7 @@ shared::HdsLight PlainLight() {
 }
 
 /// A bit for each link set, of each category.
-void Builder::AddLinks() {
+void LightTableBuilder::AddLinks() {
     for (const std::vector<bool>& category : _input.links.categories) {
         _linkBases.push_back(std::uint32_t(_table.cdf.size()));
         std::vector<std::uint32_t> words((_input.links.numSets + 31) / 32);
@@ -143,7 +92,8 @@ void Builder::AddLinks() {
 }
 
 /// \param[in,out] power grows by the peak of the shaping, against which kernels estimate it
-void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power) {
+void LightTableBuilder::AddShaping(const PlacedLight& placed, shared::HdsLight* light,
+                                   double* power) {
     LightDescription description = placed.light;
     float& coneAngle = description.shaping.coneAngle;
     if (std::isnan(coneAngle)) {
@@ -164,7 +114,8 @@ void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, dou
 }
 
 /// Where a light is while the shutter is open.
-void Builder::AddKeys(const std::vector<LightKey>& lightKeys, shared::HdsLightControls* controls) {
+void LightTableBuilder::AddKeys(const std::vector<LightKey>& lightKeys,
+                                shared::HdsLightControls* controls) {
     if (lightKeys.empty()) {
         return;
     }
@@ -187,8 +138,8 @@ void Builder::AddKeys(const std::vector<LightKey>& lightKeys, shared::HdsLightCo
     _table.hasMotion = true;
 }
 
-void Builder::AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls,
-                         double* power) {
+void LightTableBuilder::AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls,
+                                   double* power) {
     if (placed.filters.empty()) {
         return;
     }
@@ -202,15 +153,17 @@ void Builder::AddFilters(const PlacedLight& placed, shared::HdsLightControls* co
     _table.hasFilters = _table.hasFilters || controls->numFilters > 0;
 }
 
-void Builder::AppendControls(const shared::HdsLightControls& controls, shared::HdsLight* light) {
+void LightTableBuilder::AppendControls(const shared::HdsLightControls& controls,
+                                       shared::HdsLight* light) {
     light->controlBase = std::uint32_t(_table.cdf.size());
     _table.cdf.resize(_table.cdf.size() + sizeof(controls) / sizeof(_table.cdf[0]));
     std::memcpy(&_table.cdf[light->controlBase], &controls, sizeof(controls));
     _table.hasControls = true;
 }
 
-/// \param[in,out] power grows by the peak of the filters
-void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power) {
+/// \param basePower that of PowerOf. \param[in,out] power grows by the peak of the filters
+void LightTableBuilder::AddControls(const PlacedLight& placed, double basePower,
+                                    shared::HdsLight* light, double* power) {
     const LightDescription& description = placed.light;
     light->lightLink = LinkOf(placed.lightLink);
     light->shadowLink = LinkOf(placed.shadowLink);
@@ -220,8 +173,12 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, do
     shared::HdsLightControls controls = LightControls(description);
     AddFilters(placed, &controls, power);
     if (!IsShadowPlain(description.shadow) || description.diffuse != 1.0F ||
-        description.specular != 1.0F || !placed.keys.empty() || controls.numFilters > 0) {
+        description.specular != 1.0F || !placed.keys.empty() || !placed.cells.empty() ||
+        controls.numFilters > 0) {
         AddKeys(placed.keys, &controls);
+        if (!placed.cells.empty()) {
+            AddCells(placed, *power / basePower, light, power, &controls);
+        }
         AppendControls(controls, light);
     }
     _table.hasControls =
@@ -230,7 +187,7 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, do
 
 /// The portals of a dome, as rects of radiance 1, and the sums over its image. To be called after
 /// AddImage.
-void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
+void LightTableBuilder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
     std::vector<shared::HdsLight> portals;
     for (const LightPortal& portal : placed.portals) {
         LightDescription description;
@@ -265,7 +222,7 @@ void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
     }
 }
 
-void Builder::WarnIgnored(const PlacedLight& placed) {
+void LightTableBuilder::WarnIgnored(const PlacedLight& placed) {
     const LightDescription& light = placed.light;
     if (light.type == LightType::Dome && !light.textureFile.authoredPath.empty() &&
         light.textureFormat != "automatic" && light.textureFormat != "latlong") {
@@ -276,8 +233,8 @@ void Builder::WarnIgnored(const PlacedLight& placed) {
 
 /// Emission after `normalize`; for delta lights the intensity (sphere) or irradiance (distant).
 /// False: negative or not finite (with a warning), or black.
-bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
-                       glm::dvec3* radiance) {
+bool LightTableBuilder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
+                                 glm::dvec3* radiance) {
     const LightDescription& description = placed.light;
     const glm::dvec3 emission = LightEmission(description);
     *radiance = glm::max(emission, glm::dvec3(0.0));
@@ -290,7 +247,8 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
     } else if (description.type != LightType::Dome && description.normalize) {
         *radiance /= double(light.area);
     }
-    if (!IsUsable(*radiance) || (Luminance(*radiance) <= 0.0 && Luminance(emission) < 0.0)) {
+    if (!IsUsableRadiance(*radiance) ||
+        (Luminance(*radiance) <= 0.0 && Luminance(emission) < 0.0)) {
         _warnings.Add(placed.name, "light's emission is not between 0 and 1e30; left out");
         return false;
     }
@@ -299,7 +257,8 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
 
 /// False: cannot be read, the light stays untextured. \param meanLuminance of the image, as the
 /// light's power has it
-bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance) {
+bool LightTableBuilder::AddImage(const PlacedLight& placed, shared::HdsLight* light,
+                                 double* meanLuminance) {
     const AssetReference& file = placed.light.textureFile;
     const bool isDome = light->type == HDS_LIGHT_DOME;
     const LightTexture texture = _input.loadImage ? _input.loadImage(file) : LightTexture();
@@ -324,17 +283,21 @@ bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, doubl
     return true;
 }
 
-void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double power) {
+void SetEmission(const glm::dvec3& radiance, double power, shared::HdsLight* light) {
     for (int i = 0; i < 3; ++i) {
-        light.radiance[i] = float(radiance[i]);
+        light->radiance[i] = float(radiance[i]);
     }
-    const bool isFar = light.boundRadius >= HDS_LIGHT_FAR;
-    light.strength = float(std::min(isFar ? power : power / (4.0 * kPi), kMaxStrength));
+    const bool isFar = light->boundRadius >= HDS_LIGHT_FAR;
+    light->strength = float(std::min(isFar ? power : power / (4.0 * kLightPi), kMaxStrength));
+}
+
+void LightTableBuilder::Push(shared::HdsLight light, const glm::dvec3& radiance, double power) {
+    SetEmission(radiance, power, &light);
     _table.lights.push_back(light);
 }
 
 /// The number of a light's group; 0: it is in none.
-std::uint32_t Builder::GroupOf(const PlacedLight& placed) {
+std::uint32_t LightTableBuilder::GroupOf(const PlacedLight& placed) {
     const std::string& group = placed.light.group;
     if (group.empty()) {
         return 0;
@@ -351,9 +314,13 @@ std::uint32_t Builder::GroupOf(const PlacedLight& placed) {
     return number;
 }
 
-void Builder::AddLight(const PlacedLight& authored) {
+void LightTableBuilder::AddLight(const PlacedLight& authored) {
     PlacedLight placed = authored;
     ApplyFilterMultipliers(placed.filters, _warnings, &placed.light);
+    for (LightCell& cell : placed.cells) {
+        Warnings same; // as those of the light
+        ApplyFilterMultipliers(placed.filters, same, &cell.light);
+    }
     const LightDescription& description = placed.light;
     WarnIgnored(placed);
     shared::HdsLight light = PlainLight();
@@ -373,190 +340,24 @@ void Builder::AddLight(const PlacedLight& authored) {
         return;
     }
     const bool isTextured = !description.textureFile.authoredPath.empty();
-    double power = Luminance(radiance) * kPi * light.area;
-    if (description.type == LightType::Distant) {
-        power = Luminance(radiance) * DistantIrradiance(DistantHalfAngle(description));
-    } else if (description.type == LightType::Dome) {
-        double meanLuminance = 1.0;
-        if (isTextured) {
-            AddImage(placed, &light, &meanLuminance);
-        }
-        power = kPi * Luminance(radiance) * meanLuminance;
-        AddPortals(placed, &light);
-    } else if (isPoint) {
-        power = Luminance(radiance) * 4.0 * kPi;
-    } else if (description.type == LightType::Rect && isTextured) {
-        double meanLuminance = 1.0;
+    const double basePower = PowerOf(description, isPoint, radiance, light.area);
+    double meanLuminance = 1.0;
+    if (isTextured && (light.type == HDS_LIGHT_DOME || light.type == HDS_LIGHT_RECT)) {
         AddImage(placed, &light, &meanLuminance);
-        power *= meanLuminance;
     }
+    if (light.type == HDS_LIGHT_DOME) {
+        AddPortals(placed, &light);
+    }
+    double power = basePower * meanLuminance;
     AddShaping(placed, &light, &power);
-    AddControls(placed, &light, &power);
+    AddControls(placed, basePower, &light, &power);
     if (power > 0.0) {
         Push(light, radiance, power);
     }
 }
 
-/// What a mesh emits where its material does not vary the emission; false: nothing.
-bool Builder::MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance) {
-    if (mesh.lux && mesh.lux->light.normalize && !(mesh.wholeArea > 0.0)) {
-        return false;
-    }
-    *radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
-    if (mesh.lux) {
-        shared::HdsLight light{};
-        light.area = float(mesh.wholeArea);
-        glm::dvec3 factor;
-        if (!Radiance(*mesh.lux, light, &factor)) {
-            return false;
-        }
-        *radiance *= factor;
-    }
-    if (!IsUsable(*radiance)) {
-        _warnings.Add(mesh.name, "emission is not finite or above 1e30; not sampled as a light");
-        return false;
-    }
-    return Luminance(*radiance) > 0.0;
-}
-
-/// What all clusters of a mesh have in common.
-shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor) {
-    shared::HdsLight light = PlainLight();
-    light.type = HDS_LIGHT_MESH;
-    light.dataSize[1] = HDS_NONE;
-    light.flags = (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U) |
-                  (mesh.hasTexturedEmission ? HDS_LIGHT_TEXTURED_EMISSION : 0U) |
-                  (isWeighed || mesh.Moves() ? HDS_LIGHT_WEIGHED : 0U) |
-                  (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
-    *factor = kPi * (mesh.twoSided ? 2.0 : 1.0);
-    if (mesh.lux) {
-        light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
-        light.flags |= GroupOf(*mesh.lux) << HDS_LIGHT_GROUP_SHIFT;
-        AddShaping(*mesh.lux, &light, factor);
-        AddControls(*mesh.lux, &light, factor);
-    }
-    _table.hasMeshes = true;
-    _table.hasTexturedEmission = _table.hasTexturedEmission || mesh.hasTexturedEmission;
-    return light;
-}
-
-void Builder::AddTriangle(const EmissiveMesh& mesh, const EmissiveTriangle& triangle) {
-    constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
-    glm::dvec3 p[3];
-    for (int i = 0; i < 3; ++i) {
-        p[i] = mesh.Moves() ? glm::dvec3(mesh.shapes[0][triangle.source].p[i]) : triangle.p[i];
-    }
-    const glm::dvec3 e1 = p[1] - p[0];
-    const glm::dvec3 e2 = p[2] - p[0];
-    shared::HdsLightTriangle out{};
-    double largest = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        out.p0[i] = float(p[0][i]);
-        out.e1[i] = float(e1[i]);
-        out.e2[i] = float(e2[i]);
-        largest = std::max({largest, std::abs(triangle.p[0][i]), std::abs(triangle.p[1][i]),
-                            std::abs(triangle.p[2][i])});
-    }
-    out.light = std::uint32_t(_table.lights.size());
-    out.primId = triangle.primId;
-    out.error = float(kRounding * largest + mesh.positionError);
-    _table.triangles.push_back(out);
-}
-
-/// What is chosen by goes with its sphere; directions are bounds only where nothing bends.
-void Builder::AddMeshMotion(const EmissiveMesh& mesh, const EmissiveClusters& all,
-                            const EmissiveCluster& cluster, std::uint32_t matrixBase,
-                            shared::HdsLight* light) {
-    const ClusterWay way = FollowCluster(mesh, all, cluster);
-    light->dataSize[1] = AppendMeshMotion(mesh, all, cluster, matrixBase, &_table.cdf);
-    for (int i = 0; i < 3; ++i) {
-        light->worldFromLight[4 * i + 3] = light->center[i];
-    }
-    light->params[0] = way.isBent ? 0.0F : std::min(light->params[0], kMovingFlatness);
-    light->boundRadius = float(way.radius * (1.0 + 1e-5));
-    shared::HdsLightControls controls = LightControls(LightDescription());
-    if (light->controlBase != HDS_NONE) {
-        std::memcpy(&controls, &_table.cdf[light->controlBase], sizeof(controls));
-    }
-    AddKeys(way.keys, &controls);
-    AppendControls(controls, light);
-}
-
-/// A cluster's triangles, their distribution, and the light that it is.
-void Builder::AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
-                         const EmissiveCluster& cluster, shared::HdsLight light,
-                         const glm::dvec3& radiance, double factor, std::uint32_t matrixBase) {
-    light.area = float(cluster.area);
-    light.dataBase = std::uint32_t(_table.triangles.size());
-    light.dataSize[0] = std::uint32_t(cluster.end - cluster.begin);
-    light.cdfBase = std::uint32_t(_table.cdf.size());
-    double sum = 0.0;
-    _table.cdf.push_back(0.0F);
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        AddTriangle(mesh, all.triangles[i]);
-        sum += all.triangles[i].weight;
-        _table.cdf.push_back(i + 1 == cluster.end ? 1.0F : float(sum / cluster.weight));
-    }
-    const glm::dvec3 center = 0.5 * (cluster.low + cluster.high);
-    for (int i = 0; i < 3; ++i) {
-        light.center[i] = float(center[i]);
-        light.worldFromLight[i] = float(cluster.axis[i]);
-    }
-    light.params[0] = float(cluster.flatness);
-    light.boundRadius = float(0.5 * glm::length(cluster.high - cluster.low) * (1.0 + 1e-5));
-    if (mesh.Moves()) {
-        AddMeshMotion(mesh, all, cluster, matrixBase, &light);
-    }
-    Push(light, radiance, Luminance(radiance) * factor * cluster.weight);
-}
-
-/// Where a hit finds its triangle's light.
-void Builder::AddMeshTable(std::uint32_t firstLight, std::uint32_t firstTriangle, bool isOneLight) {
-    _table.tableByMesh.back() = std::uint32_t(_table.cdf.size());
-    const auto add = [&](std::uint32_t word) { _table.cdf.push_back(shared::FloatOfBits(word)); };
-    if (isOneLight) {
-        add(firstLight);
-        add(0);
-        return;
-    }
-    std::vector<std::uint32_t> order(_table.triangles.size() - firstTriangle);
-    std::iota(order.begin(), order.end(), firstTriangle);
-    const auto primId = [&](std::uint32_t i) { return _table.triangles[i].primId; };
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return primId(a) < primId(b); });
-    add(HDS_NONE);
-    add(std::uint32_t(order.size()));
-    for (const std::uint32_t i : order) {
-        add(primId(i));
-    }
-    std::for_each(order.begin(), order.end(), add);
-}
-
-void Builder::AddMesh(const EmissiveMesh& mesh) {
-    _table.tableByMesh.push_back(HDS_NONE);
-    const EmissiveClusters all = ClusterTriangles(mesh);
-    glm::dvec3 radiance;
-    double factor = 0.0;
-    const auto firstLight = std::uint32_t(_table.lights.size());
-    const auto firstTriangle = std::uint32_t(_table.triangles.size());
-    const bool isUsable = MeshRadiance(mesh, &radiance);
-    if (isUsable && all.weight > 0.0) {
-        const shared::HdsLight light = BeginMesh(mesh, all.isWeighed, &factor);
-        const std::uint32_t matrixBase = mesh.Moves() ? AppendMatrices(mesh, &_table.cdf) : 0;
-        for (const EmissiveCluster& cluster : all.clusters) {
-            AddCluster(mesh, all, cluster, light, radiance, factor, matrixBase);
-        }
-        AddMeshTable(firstLight, firstTriangle,
-                     all.clusters.size() == 1 && (light.flags & HDS_LIGHT_WEIGHED) == 0);
-    } else if (mesh.lux) {
-        // Not sampled, but rays that find it see what it emits, which may be nothing.
-        Push(BeginMesh(mesh, false, &factor), isUsable ? radiance : glm::dvec3(0.0), 0.0);
-        AddMeshTable(firstLight, firstTriangle, true);
-    }
-}
-
 /// Puts lights at infinity first, as selection wants them, and builds the tree over the others.
-LightTable Builder::Finish() {
+LightTable LightTableBuilder::Finish() {
     std::vector<std::uint32_t> order(_table.lights.size());
     std::iota(order.begin(), order.end(), 0U);
     std::stable_partition(order.begin(), order.end(), [&](std::uint32_t i) {
@@ -582,12 +383,10 @@ LightTable Builder::Finish() {
     return std::move(_table);
 }
 
-} // namespace
-
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
                            const std::vector<EmissiveMesh>& meshes, const LightTableInput& input,
                            Warnings& warnings) {
-    Builder builder(input, warnings);
+    LightTableBuilder builder(input, warnings);
     for (const PlacedLight& light : lights) {
         builder.AddLight(light);
     }

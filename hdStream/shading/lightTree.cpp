@@ -73,14 +73,15 @@ glm::dvec3 FacingOf(const shared::HdsLight& light, const std::vector<float>& cdf
 /// Of the arc between two keys, as part of the distance from the pivot: they turn by less.
 constexpr double kArc = 0.05;
 
-/// The sphere that holds a light wherever it moves, or false when it rests.
+/// The sphere that holds a light wherever it moves, or false when it rests. That of a light that
+/// changes holds all of its shapes.
 bool HoldMotion(const shared::HdsLight& light, const std::vector<float>& cdf, Emitter* emitter) {
     shared::HdsLightControls controls{};
     if (light.controlBase != HDS_NONE) {
         std::memcpy(&controls, &cdf[light.controlBase], sizeof(controls));
     }
     if (controls.motionSegments == 0) {
-        return false;
+        return controls.numCells != 0;
     }
     const glm::dvec3 pivot(light.worldFromLight[3], light.worldFromLight[7],
                            light.worldFromLight[11]);

@@ -124,8 +124,11 @@ typedef struct {
     u32 motionSegments; /* keys after the first; 0: the light rests */
     u32 filterBase;     /* in lightCdf: the first HdsLightFilter */
     u32 numFilters;     /* 0: what leaves the light arrives */
+    u32 cellBase; /* in lightCdf: an HdsLight for each of equal parts of the shutter's interval */
+    u32 numCells; /* 0: its size and emission do not change */
+    u32 pad0[2];
 } HdsLightControls;
-HDS_ASSERT_SIZE(HdsLightControls, 48);
+HDS_ASSERT_SIZE(HdsLightControls, 64);
 
 /* HdsLightFilter.type */
 #define HDS_FILTER_BARN 0u   /* an opening in the plane z = 0 of the filter */

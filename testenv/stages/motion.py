@@ -276,6 +276,62 @@ def _AddLampSwarm(stage):
     positions.Set([(2.5, 0.5, 0), (0, -1.5, 0.6)], 2.0)
 
 
+def _SetLight(light, **ends):
+    """Inputs of a light at the frames 0 and 2."""
+    for name, (first, last) in ends.items():
+        attribute = light.GetPrim().GetAttribute(f"inputs:{name}") or light.GetPrim().CreateAttribute(
+            f"inputs:{name}", Sdf.ValueTypeNames.Float)
+        for time, value in ((0.0, first), (2.0, last)):
+            attribute.Set(Gf.Vec3f(*value) if isinstance(value, tuple) else float(value), time)
+
+
+def _AddGrowingLights(stage):
+    """Lights whose sizes change by their inputs: a ball that is seen and goes along, a panel, a disk, a tube, a moon; some have
+    the same power all the time."""
+    _Box(stage, "/World/Box")
+    ball = author.AddLight(stage, "/World/Ball", "Sphere", intensity=6.0, radius=0.4)
+    AddWay(ball, (-2.0, 0.6, 1.5), (2.0, 1.2, 1.0))
+    _SetLight(ball, radius=(0.02, 0.9))
+    panel = author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(-2.2, 0.2, 0.4)), intensity=12.0, normalize=True)
+    _SetLight(panel, width=(0.1, 2.0), height=(1.4, 0.2))
+    disk = author.AddLight(stage, "/World/Disk", "Disk", dict(translate=(2.2, -0.6, 0.4)), intensity=5.0)
+    _SetLight(disk, radius=(0.9, 0.1))
+    tube = author.AddLight(stage, "/World/Tube", "Cylinder", dict(translate=(0, -1.4, 0.2)), intensity=3.0)
+    _SetLight(tube, length=(0.3, 3.0), radius=(0.3, 0.05))
+    moon = author.AddLight(stage, "/World/Moon", "Distant", dict(rotate=(40, -20, 0)), intensity=2.0)
+    _SetLight(moon, angle=(2.0, 40.0))
+
+
+def _AddFlicker(stage):
+    """Lights that get brighter and darker, and change their colour; one of them is dark for a while. The dome dims."""
+    _Box(stage, "/World/Box")
+    ball = author.AddLight(stage, "/World/Ball", "Sphere", dict(translate=(-1.8, 0.6, 1.0)), intensity=6.0, radius=0.4)
+    _SetLight(ball, intensity=(-6.0, 12.0), color=((1.0, 0.2, 0.1), (0.1, 0.3, 1.0)))
+    panel = author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(1.8, 0.2, 1.2)), intensity=4.0)
+    _SetLight(panel, exposure=(-2.0, 2.0))
+    sky = author.AddLight(stage, "/World/Sky", "Dome", intensity=1.0)
+    _SetLight(sky, intensity=(0.0, 1.0))
+
+
+def _AddStretchedLights(stage):
+    """Lights that transforms stretch while they turn and go along, from nearly nothing, below so many others that there is a light
+    tree."""
+    _Box(stage, "/World/Box")
+    for name, kind, where, size in (("Ball", "Sphere", (-1.8, 0.5, 1.0), dict(radius=0.4)),
+                                    ("Beam", "Rect", (1.6, 0.2, 1.6), dict(width=0.8, height=0.6))):
+        light = author.AddLight(stage, f"/World/{name}", kind, intensity=14.0, **size)
+        AddWay(light, where, (where[0] + 0.6, where[1] - 0.4, where[2]), degrees=80.0)
+        if name == "Beam":
+            author.ShapeLight(light, coneAngle=50.0, coneSoftness=0.3, focus=1.0)
+        grow = UsdGeom.Xformable(light).AddScaleOp()
+        grow.Set(Gf.Vec3f(0.02, 0.05, 0.02), 0.0)
+        grow.Set(Gf.Vec3f(1.8, 0.7, 1.2), 2.0)
+    for i in range(36):
+        angle = 2.0 * np.pi * i / 36
+        author.AddLight(stage, f"/World/Lamp{i}", "Sphere", dict(translate=(2.4 * np.cos(angle), 1.8 * np.sin(angle), 0.4)),
+                        intensity=1.0, radius=0.1)
+
+
 def _AddGlow(stage):
     """Boxes that emit, by material, below an instancer that turns: each moves, turns and grows. And a panel near the wall,
     which the camera does not see, whose area becomes 64 times as large: the density at hits is that of the time."""
@@ -418,7 +474,8 @@ KEYS = {
 # Lights that move. Their pictures need more stills: what moves is bright, or sharp.
 LIGHTS = {
     "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm,
-    "glow": _AddGlow, "beam": _AddBeam, "flame": _AddFlame,
+    "glow": _AddGlow, "beam": _AddBeam, "flame": _AddFlame, "growingLights": _AddGrowingLights, "flicker": _AddFlicker,
+    "stretchedLights": _AddStretchedLights,
 }
 # Shapes that are not authored point by point.
 SHAPES = motionShapes.SCENES

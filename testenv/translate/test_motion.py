@@ -264,3 +264,34 @@ def test_instances_that_change_in_number_are_told(velocities):
     TranslateStage(stage, session, 1.0, SHUTTER)
     line = "/A: its instances change in number while the shutter is open: drawn without motion blur"
     assert session.Warnings() == ([] if velocities else [line])
+
+
+_CHANGING = """
+    def Xform "Rig" (prepend apiSchemas = ["MotionAPI"])
+    {
+        float motion:blurScale = %g
+        def SphereLight "L"
+        {
+            float inputs:radius.timeSamples = { 0: 0.5, 2: 2.5 }
+            float inputs:intensity.timeSamples = { 0: 3, 1: 5, 2: 1 }
+            color3f inputs:color.timeSamples = { 0: (1, 0, 0), 2: (0, 1, 0.5) }
+            float inputs:width.timeSamples = { 0: 1, 2: 3 }
+            float inputs:exposure = 2
+        }
+        def RectLight "Still" { float inputs:width = 3 }
+    }
+    """
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_lights_that_change_have_what_the_stage_has_at_nine_times(scale):
+    stage = StageOf(_CHANGING % scale)
+    lights = SceneAt(stage, 1.0, SHUTTER).lights
+    samples = lights["/Rig/L"].samples
+    assert [sample.time for sample in samples] == pytest.approx(np.linspace(*SHUTTER, 9))
+    for sample in samples:
+        expected = SceneAt(stage, 1.0 + scale * sample.time).lights["/Rig/L"].light
+        for name in ("radius", "intensity", "color", "exposure", "colorTemperature", "angle"):
+            assert getattr(sample, name) == pytest.approx(getattr(expected, name)), name
+    assert lights["/Rig/Still"].samples == []
+    assert SceneAt(stage, 1.0).lights["/Rig/L"].samples == [], "the shutter is closed"

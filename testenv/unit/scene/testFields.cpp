@@ -270,7 +270,7 @@ TEST(Fields, EachIsInEqualityAndKey) {
     ExpectEachFieldCounts(FullMesh(PrimitiveKind::Curves));
     ExpectEachFieldCounts(FullMeshPrim());
     ExpectEachFieldCounts(InstancerPrim{Placed(), {}, {{0.0, {}}}, {}});
-    ExpectEachFieldCounts(LightPrim{Placed(), FullLight(LightType::Dome), {}, {{}}});
+    ExpectEachFieldCounts(LightPrim{Placed(), FullLight(LightType::Dome), {{}}, {}, {{}}, {}});
     ExpectEachFieldCounts(FullMaterial());
     ExpectEachFieldCounts(FullCamera());
     ExpectEachFieldCounts(FullDisplacement());
@@ -429,8 +429,8 @@ TEST(Fields, PlacesOfPrimsAndMostOfLightsLeavePrims) {
     InstancerPrim more = instancer;
     more.instanceTransforms.translations = std::vector<float>(9);
     EXPECT_FALSE(LeavesPrims(instancer, more)) << "one instance more";
-    ExpectLeftBy(LightPrim{Placed(), FullLight(LightType::Dome), {}, {{}}, {{}}},
-                 {places[0], places[1], ".light."},
+    ExpectLeftBy(LightPrim{Placed(), FullLight(LightType::Dome), {{}}, {}, {{}}, {{}}},
+                 {places[0], places[1], ".light.", ".samples"},
                  {".light.type", ".light.textureFile", ".light.shadow", ".light.colorSpace"});
 }
 

@@ -4,6 +4,7 @@
 from pxr import Gf, Sdf, UsdGeom
 
 from hdstream import _core
+from hdstream.translate import valueClips
 from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 from hdstream.translate.materials import ParameterFrom
 from hdstream.translate.usdCalls import GetAppliedSchemas
@@ -29,6 +30,7 @@ _NO_FILTER_INPUTS = ("xformOp", "visibility", "purpose", "collection:", "lightFi
 _SHAPING = "inputs:shaping:"
 _SHADOW = "inputs:shadow:"
 _NO_INPUTS = ("type", "colorSpace", "shaping", "shadow", "visibleToCamera", "group")
+_VARYING = ("intensity", "exposure", "color", "colorTemperature", "angle", "radius", "width", "height", "length")
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
@@ -69,6 +71,26 @@ def ReadLight(prim, typeName, names, timeCode, assets, warn):
     if any(name.startswith(_SHADOW) for name in names):
         light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode, assets, warn)
     return light
+
+
+def ReadLightSamples(prim, light, motion):
+    """What of a light changes while the shutter is open; empty when it is the same at all times."""
+    inputs = {name: prim.GetAttribute(f"inputs:{name}") for name in _VARYING}
+    varying = {name: attribute for name, attribute in inputs.items() if attribute and valueClips.Varies(attribute)}
+    if not motion.isOn or not varying:
+        return []
+    samples = []
+    for time, told in zip(motion.times, motion.ToldTimes()):
+        sample = _core.LightSample()
+        sample.time = told
+        for name in _VARYING:
+            setattr(sample, name, getattr(light, name))
+        for name, attribute in varying.items():
+            value = attribute.Get(motion.At(time))
+            if value is not None:
+                setattr(sample, name, type(getattr(sample, name))(value))
+        samples.append(sample)
+    return samples
 
 
 def _ReadGroup(prim, names, timeCode):

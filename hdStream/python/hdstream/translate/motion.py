@@ -89,6 +89,10 @@ class Motion:
         """Times of samples as the core takes them."""
         return [time / self._scale for time in times]
 
+    def ToldTimes(self):
+        """`times` as the core takes them."""
+        return self._Told(self.times)
+
     def At(self, time):
         return Usd.TimeCode(self.timeCode.GetValue() + time)
 

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/lightCells.h"
+
+#include "hdStream/shading/lightUnits.h"
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hds {
+
+namespace {
+
+constexpr std::size_t kMostCells = 128;
+/// By how much of its greatest value a number may change from cell to cell.
+constexpr double kStep = 1.0 / 128.0;
+/// What is as small as that of its greatest size still has one.
+constexpr float kLeastSize = 1.0F / 65536.0F;
+
+constexpr std::array<float LightDescription::*, 5> kSizes{
+    &LightDescription::angle, &LightDescription::radius, &LightDescription::width,
+    &LightDescription::height, &LightDescription::length};
+
+/// What the keys say of the light's motion at a time, as kernels interpolate them, taken away.
+glm::dmat4 WithoutKeys(const glm::dmat4& pose, const glm::dvec3& pivot,
+                       const std::vector<LightKey>& keys, double time) {
+    const double scaled = time * double(keys.size() - 1);
+    const std::size_t segment = std::min(std::size_t(scaled), keys.size() - 2);
+    const double part = scaled - double(segment);
+    const glm::dvec4 turn =
+        glm::normalize(glm::mix(keys[segment].turn, keys[segment + 1].turn, part));
+    const glm::dvec3 offset = glm::mix(keys[segment].offset, keys[segment + 1].offset, part);
+    const glm::dmat3 back =
+        glm::transpose(glm::mat3_cast(glm::dquat(turn.w, turn.x, turn.y, turn.z)));
+    glm::dmat4 rest(back * glm::dmat3(pose));
+    rest[3] = glm::dvec4(pivot + back * (glm::dvec3(pose[3]) - pivot - offset), 1.0);
+    return rest;
+}
+
+/// All that may change of a cell, as numbers.
+std::array<double, 20> NumbersOf(const LightCell& cell) {
+    std::array<double, 20> numbers{};
+    const glm::dvec3 emission = LightEmission(cell.light);
+    auto out = numbers.begin();
+    for (int i = 0; i < 3; ++i) {
+        *out++ = emission[i];
+    }
+    for (const auto size : kSizes) {
+        *out++ = double(cell.light.*size);
+    }
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            *out++ = cell.worldFromLight[column][row];
+        }
+    }
+    return numbers;
+}
+
+/// The greatest change between neighbours, each number as part of its greatest value: of a matrix,
+/// of its lengths.
+double GreatestStep(const std::vector<LightCell>& cells) {
+    std::vector<std::array<double, 20>> numbers;
+    std::array<double, 20> greatest{};
+    for (const LightCell& cell : cells) {
+        numbers.push_back(NumbersOf(cell));
+        for (std::size_t i = 0; i < greatest.size(); ++i) {
+            greatest[i] = std::max(greatest[i], std::abs(numbers.back()[i]));
+        }
+    }
+    constexpr std::size_t kMatrix = 8; // its first number
+    const double length =
+        *std::max_element(greatest.begin() + kMatrix, greatest.begin() + kMatrix + 9);
+    std::fill(greatest.begin() + kMatrix, greatest.end(), length);
+    double step = 0.0;
+    for (std::size_t n = 1; n < numbers.size(); ++n) {
+        for (std::size_t i = 0; i < greatest.size(); ++i) {
+            const double change = std::abs(numbers[n][i] - numbers[n - 1][i]);
+            step = change > 0.0 ? std::max(step, change / std::max(greatest[i], 1e-300)) : step;
+        }
+    }
+    return step;
+}
+
+} // namespace
+
+std::vector<LightCell> MakeLightCells(const LightPrim& prim, const Shutter& shutter,
+                                      const MovingTransform& worldFromLight,
+                                      const std::vector<LightKey>& keys, bool isRigid) {
+    const bool isPlain = prim.samples.empty() || !shutter.IsOpen();
+    const bool keepsPlace =
+        (!keys.empty() && isRigid) || !worldFromLight.Moves() || !prim.portals.empty();
+    if (isPlain && keepsPlace) {
+        return {};
+    }
+    const glm::dmat4& frame = worldFromLight.AtFrame();
+    const auto at = [&](double time) {
+        LightCell cell{prim.light, frame};
+        if (!isPlain) {
+            cell.light = LightAt(prim.light, prim.samples,
+                                 shutter.open + time * (shutter.close - shutter.open));
+        }
+        if (!keepsPlace) {
+            cell.worldFromLight = worldFromLight.At(time);
+            if (!keys.empty()) {
+                cell.worldFromLight =
+                    WithoutKeys(cell.worldFromLight, glm::dvec3(frame[3]), keys, time);
+            }
+        }
+        return cell;
+    };
+    const auto cut = [&](std::size_t count) {
+        std::vector<LightCell> cells;
+        for (std::size_t i = 0; i < count; ++i) {
+            cells.push_back(at((double(i) + 0.5) / double(count)));
+        }
+        return cells;
+    };
+    std::vector<LightCell> cells = cut(kMostCells);
+    const double step = GreatestStep(cells);
+    std::size_t count = 1;
+    while (count < kMostCells && step * double(kMostCells) / double(count) > kStep) {
+        count *= 2;
+    }
+    if (count < kMostCells) {
+        cells = cut(count);
+    }
+    const bool isAsForFrame = cells.size() == 1 && cells[0] == LightCell{prim.light, frame};
+    if (isAsForFrame) {
+        return {};
+    }
+    const LightDescription most = MostOf(prim.light, cells);
+    for (LightCell& cell : cells) {
+        for (const auto size : kSizes) {
+            cell.light.*size = std::max(cell.light.*size, kLeastSize * (most.*size));
+        }
+    }
+    return cells;
+}
+
+LightDescription MostOf(const LightDescription& light, const std::vector<LightCell>& cells) {
+    LightDescription most = light;
+    double brightest = -1.0;
+    for (const LightCell& cell : cells) {
+        for (const auto size : kSizes) {
+            most.*size = std::max(most.*size, cell.light.*size);
+        }
+        const glm::dvec3 emission = LightEmission(cell.light);
+        const double luminance = 0.2126 * emission.x + 0.7152 * emission.y + 0.0722 * emission.z;
+        if (luminance > brightest) {
+            brightest = luminance;
+            most.intensity = cell.light.intensity;
+            most.exposure = cell.light.exposure;
+            most.color = cell.light.color;
+            most.colorTemperature = cell.light.colorTemperature;
+        }
+    }
+    return most;
+}
+
+} // namespace hds
