@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace hds {
@@ -46,6 +47,8 @@ struct FlatAmount {
     /// Of all that is placed at least so much is flattened or a copy, or nothing.
     double minShare = 0.5;
     double manyTriangles = 1.5e6; ///< up to which maxCopies does not count
+    /// That it may take: meshes of few triangles take more than kFlatBytesATriangle for each.
+    double maxBytes = std::numeric_limits<double>::infinity();
 };
 
 /// Flattens instances of the TLAS, those of objects that are placed least often first; meshes that

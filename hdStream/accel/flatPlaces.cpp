@@ -33,6 +33,9 @@ constexpr double kTolerance = 1.0 + 1e-5;
 /// What a copy takes beside its mesh's tree and the transforms on the way to it: its place and, of
 /// nodes with some three children each, its box.
 constexpr double kBytesACopy = sizeof(shared::HdsFlatPlace) + 80.0;
+/// What a flattened mesh takes beside its triangles and the transforms on the way to it: its place,
+/// and a leaf that they do not fill.
+constexpr double kBytesAPlace = sizeof(shared::HdsFlatPlace) + sizeof(shared::HdsFlatLeaf);
 /// On the way each takes some 500 bytes.
 constexpr double kMaxCopies = 1U << 18U;
 
@@ -122,6 +125,7 @@ public:
             return;
         }
         double held = 0.0;
+        double bytes = 0.0;
         double numCopies = 0.0;
         double taken = 0.0; // of those that are placed
         double placed = 0.0;
@@ -138,17 +142,22 @@ public:
                 continue;
             }
             const auto most = static_cast<double>(amount.maxTriangles);
-            const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
-            const bool isCopied =
-                (hasManyCopies && held + added > amount.manyTriangles) || held + added > most;
-            const double bytesACopy =
-                kBytesACopy + sizeof(shared::HdsFlatTransform) * (traits.records + 1.0);
-            const double ofCopies = bytesACopy / kFlatBytesATriangle * traits.numMeshes;
             const auto numRecords = static_cast<double>(records.size());
+            const double ofWay = sizeof(shared::HdsFlatTransform) * (traits.records + 1.0);
+            const double flatBytes = kFlatBytesATriangle * added +
+                                     (kBytesAPlace + ofWay) * traits.numMeshes * numRecords;
+            const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
+            const bool isCopied = (hasManyCopies && held + added > amount.manyTriangles) ||
+                                  held + added > most || bytes + flatBytes > amount.maxBytes;
+            const double ofCopies = (kBytesACopy + ofWay) / kFlatBytesATriangle * traits.numMeshes;
+            const double copiedBytes =
+                kFlatBytesATriangle * (traits.numUnique + ofCopies * numRecords);
             if (isCopied && (held + traits.numUnique + ofCopies * numRecords > most ||
+                             bytes + copiedBytes > amount.maxBytes ||
                              numCopies + traits.numMeshes * numRecords > kMaxCopies)) {
                 continue;
             }
+            bytes += isCopied ? copiedBytes : flatBytes;
             numCopies += isCopied ? traits.numMeshes * numRecords : 0.0;
             bool isFirst = true;
             for (const std::uint32_t record : records) {

@@ -3,6 +3,7 @@
 
 #include "hdStream/base/error.h"
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -40,8 +41,12 @@ Predicate Both(Predicate a, Predicate b) {
     return [a = std::move(a), b = std::move(b)](const LightEvent& e) { return a(e) && b(e); };
 }
 
-Predicate Either(Predicate a, Predicate b) {
-    return [a = std::move(a), b = std::move(b)](const LightEvent& e) { return a(e) || b(e); };
+/// However many they are: one that held the other would be as deep as they are many.
+Predicate AnyOf(std::vector<Predicate> inner) {
+    return [inner = std::move(inner)](const LightEvent& event) {
+        return std::any_of(inner.begin(), inner.end(),
+                           [&](const Predicate& matches) { return matches(event); });
+    };
 }
 
 Predicate OfType(char type) {
@@ -138,7 +143,7 @@ private:
 
     Tree ParseRepeat() {
         Tree tree = ParseAtom();
-        while (true) {
+        for (std::uint32_t numRepeats = 0;; ++numRepeats) {
             std::uint32_t least = 0;
             std::optional<std::uint32_t> most;
             if (Accept('?')) {
@@ -149,6 +154,9 @@ private:
                 ParseCounts(&least, &most);
             } else if (!Accept('*')) {
                 return tree;
+            }
+            if (numRepeats >= kMaxNesting) {
+                Fail("too many repeats of one event");
             }
             Tree repeat{Tree::Repeat, {}, {}, least, most};
             repeat.parts.push_back(std::move(tree));
@@ -204,11 +212,12 @@ private:
         if (Peek() == ']') {
             Fail("the set is empty");
         }
-        Predicate matches = parseItem();
-        while (Peek() != ']' && Peek() != '\0') {
-            matches = Either(std::move(matches), parseItem());
-        }
+        std::vector<Predicate> items;
+        do {
+            items.push_back(parseItem());
+        } while (Peek() != ']' && Peek() != '\0');
         Expect(']', "a set");
+        Predicate matches = AnyOf(std::move(items));
         return isComplement ? Not(std::move(matches)) : matches;
     }
 

@@ -230,7 +230,11 @@ HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const Sd
             if (changes.size() == from.size()) {
                 velocity += seconds * changes[i] * 0.5;
             }
-            moved[i] += seconds * velocity;
+            const GfVec3f at = moved[i] + seconds * velocity;
+            const bool isFinite =
+                std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]);
+            moved[i] = isFinite ? at : moved[i]; // else it stands still
+            value.isFinite = value.isFinite && isFinite;
         }
         const std::size_t last = value.samples.count;
         value.samples.Resize(static_cast<unsigned int>(last + 1));
@@ -264,8 +268,9 @@ HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& 
 
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
                                                    const TfToken& name, const hds::Shutter& shutter,
-                                                   bool* fit) {
+                                                   bool* fit, bool* isFinite) {
     *fit = true;
+    *isFinite = true;
     const PrimShutter own(delegate, id, shutter);
     const hds::Shutter& interval = own.interval;
     if (!interval.IsOpen()) {
@@ -285,6 +290,7 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
         if (!points.Moves()) {
             points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), interval);
             *fit = *fit || points.Moves();
+            *isFinite = points.isFinite;
         }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;

@@ -27,7 +27,8 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
 struct HdStreamMovingValue {
     std::vector<double> times; ///< empty: it does not change
     HdTimeSampleArray<VtValue, 4> samples;
-    bool fits = true; ///< false: arrays of different lengths
+    bool fits = true;     ///< false: arrays of different lengths
+    bool isFinite = true; ///< false: what velocities take nowhere finite stands still
 
     bool Moves() const { return !times.empty(); }
     VtValue At(double time) const { return samples.Resample(static_cast<float>(time)); }
@@ -53,10 +54,11 @@ HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& 
                                       std::size_t count, const hds::Shutter& shutter);
 
 /// Points, authored or computed; empty when they do not move. \param name of the primvar.
-/// \param[out] fit false: they change in number, and are taken to be at rest.
+/// \param[out] fit false: they change in number, and are taken to be at rest. \param[out] isFinite
+/// false: velocities are not, and points that have these stand still.
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
                                                    const TfToken& name, const hds::Shutter& shutter,
-                                                   bool* fit);
+                                                   bool* fit, bool* isFinite);
 
 /// The primvars "widths" and "normals"; empty when they do not change.
 std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, const SdfPath& id,

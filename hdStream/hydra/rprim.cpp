@@ -139,11 +139,18 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
         }
         HdStreamSyncPrimvars(delegate, id, points, bits, &geometry->points, &geometry->primvars);
         bool fit = true;
-        geometry->samples = HdStreamSamplePoints(delegate, id, points, param->Shutter(), &fit);
+        bool isFinite = true;
+        geometry->samples =
+            HdStreamSamplePoints(delegate, id, points, param->Shutter(), &fit, &isFinite);
         if (!fit) {
             param->Push([path = _scenePath](hds::Session& session) {
                 session.Warn(path, "its points change in number while the shutter is open: drawn "
                                    "without motion blur");
+            });
+        }
+        if (!isFinite) {
+            param->Push([path = _scenePath](hds::Session& session) {
+                session.Warn(path, "velocities are not finite: points that have these stand still");
             });
         }
         if (geometry->primitives == hds::PrimitiveKind::Splats) {

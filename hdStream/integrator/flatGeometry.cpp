@@ -49,6 +49,7 @@ bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedS
                          const PagePool& pool, const FlatLimits& limits) {
     FlatAmount amount;
     amount.maxTriangles = MaxFlatTriangles(limits);
+    amount.maxBytes = static_cast<double>(limits.bytes);
     if (limits.isForced) {
         amount.maxCopies = std::numeric_limits<double>::infinity();
         amount.minShare = 0.0;

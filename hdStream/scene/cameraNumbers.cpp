@@ -44,7 +44,7 @@ std::vector<std::string> MendCamera(CameraPrim* camera) {
     mend(&CameraPrim::horizontalApertureOffset, "horizontalApertureOffset", "0");
     mend(&CameraPrim::verticalApertureOffset, "verticalApertureOffset", "0");
     mend(&CameraPrim::focalLength, "focalLength", "50");
-    mend(&CameraPrim::exposureScale, "exposure", "0");
+    mend(&CameraPrim::exposureScale, "the factor of its exposure", "1");
     mend(&CameraPrim::fStop, "fStop", "0");
     if (camera->fStop < 0.0F) {
         problems.emplace_back("fStop is below 0; everything is in focus");

@@ -300,6 +300,26 @@ def RenderVar "Half" { string sourceName = "crypto_object"
     assert ("would change the ids of its Cryptomattes; zip is used" in result.text) == (compression != "b44")
 
 
+def test_names_that_no_exr_file_holds_are_left_out(tmp_path, monkeypatch):
+    """Names of channels have 255 bytes: cut there, the three of a normal would be one."""
+    monkeypatch.chdir(tmp_path)
+    names = {"n" * 240: "n" * 240, "é" * 128: "normal"}
+    for given, written in names.items():
+        result = RunHere("record", WriteStage(tmp_path, SCENE + """
+def Scope "Render" { def RenderSettings "S" { rel products = </Render/A>
+    int2 resolution = (8, 8)
+    custom int hdstream:samples = 1 }
+def RenderProduct "A" { token productName = "a.exr"
+    rel orderedVars = [</Render/N>] }
+def RenderVar "N" { string sourceName = "normal"
+    custom string driver:parameters:aov:name = "%s" }
+}
+""" % given), "-rs", "/Render/S")
+        assert result.code == 0, result.text
+        assert ("/Render/N: the name of its layer has more than 240 bytes" in result.text) == (given != written)
+        assert sorted(exrFile.Read("a.exr")[1]) == [f"{written}.{axis}" for axis in "XYZ"]
+
+
 def test_vars_are_not_chosen_twice(tmp_path):
     AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), "--aovs", "depth"), 2, "--aovs", "OUT")
 

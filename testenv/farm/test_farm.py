@@ -251,7 +251,10 @@ class FlushedList:
         pass
 
 
-@pytest.mark.parametrize("program, words", [(("0.0", ProgramOf()[1]), "has hdstream 0.0, this is"), ((_core.VERSION, "x"), "has other kernels")])
+@pytest.mark.parametrize("program, words", [
+    (("0.0", *ProgramOf()[1:]), "has hdstream 0.0, this is"), ((_core.VERSION, "x", ProgramOf()[2]), "has other kernels"),
+    ((*ProgramOf()[:2], "x"), "has another color configuration"),
+])
 def test_other_programs_are_refused_whenever_they_join(program, words, monkeypatch):
     with pytest.raises(CommandError, match=f"worker b: {words}"):
         CheckAnswers({"a": AnswerOf("One"), "b": AnswerOf("Two", program)})
@@ -268,6 +271,26 @@ def test_other_programs_are_refused_whenever_they_join(program, words, monkeypat
     monkeypatch.setattr(farmWork, "ProgramOf", lambda: program)
     result = farmWork.RenderFrame("job", Job("none.usda", program=ProgramOf()), Frame(1.0, "none.exr"))
     assert result["error"].startswith(f"worker tcp://b: {words}") and not result["isUsage"]
+
+
+def test_color_configurations_are_told_apart_by_their_contents(tmp_path, monkeypatch):
+    """Of a client with $OCIO and a worker without it, half a picture would have other colours."""
+    monkeypatch.delenv("OCIO", raising=False)
+    plain = ProgramOf()
+    text = """ocio_profile_version: 1
+roles: {default: lin, scene_linear: lin}
+displays: {d: [!<View> {name: v, colorspace: lin}]}
+colorspaces: [!<ColorSpace> {name: lin}%s]
+"""
+    other = ", !<ColorSpace> {name: dim, to_reference: !<MatrixTransform> {matrix: [.5, 0, 0, 0, 0, .5, 0, 0, 0, 0, .5, 0, 0, 0, 0, 1]}}"
+    programs = []
+    for name, content in (("a", text % ""), ("b", text % ""), ("c", text % other)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.ocio").write_text(content)
+        monkeypatch.setenv("OCIO", str(tmp_path / name / "config.ocio"))
+        programs.append(ProgramOf())
+    assert programs[0] == programs[1] and len({plain, *programs}) == 3
+    assert farmWork.DifferenceOf(plain, programs[0]) == "has another color configuration than this process"
 
 
 def test_a_worker_without_hdstream_that_joins_is_a_line():

@@ -163,6 +163,26 @@ def test_a_table_of_the_color_configuration_counts_by_its_bytes(colors, tmp_path
     assert result.code == 0 and not IsThere(result), "a variable that a transform names"
 
 
+def test_textures_are_prepared_again_for_another_table(colors, tmp_path):
+    """In one cache, in one process and the next: an image's lines have colours that the configuration made."""
+    from stages.imageFile import WriteExr
+    import numpy as np
+    WriteExr(tmp_path / "sky.exr", dict.fromkeys("RGB", np.full((8, 16), 0.5, np.float32)))
+    stage = WriteStage(tmp_path, ANIMATED + """
+def DomeLight "Sky" { asset inputs:texture:file = @sky.exr@ (colorSpace = "camera") }""")
+    cached = ["--cacheDir", tmp_path / "cache", "-w", "24", "--samples", "2", "--maxDepth", "1"]
+    table = tmp_path / "luts" / "a.spi1d"
+    pictures = {}
+    for scale in ("1.0", "0.2", "1.0"):
+        table.write_text(_TABLE.format(scale))
+        for runs, name in ((RunHere, "here"), (Run, "next")):
+            result = runs("record", stage, tmp_path / "o.exr", *cached)
+            assert result.code == 0 and not result.errors, result.text
+            picture = (tmp_path / "o.exr").read_bytes()
+            assert pictures.setdefault(scale, picture) == picture, (scale, name)
+    assert pictures["1.0"] != pictures["0.2"]
+
+
 def test_a_color_configuration_that_is_rewritten_is_loaded_again(colors):
     before = _core.FindColorConfigSources()
     assert before == ([str(colors), str(colors.parent / "luts" / "a.spi1d")], ["", "linear", "linear"])

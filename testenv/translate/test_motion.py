@@ -246,6 +246,28 @@ def test_topology_that_changes_is_warned_of_unless_velocities_move_it(velocities
         assert warned == ["/A: its topology changes while the shutter is open: drawn without motion blur"] and not samples
 
 
+@pytest.mark.parametrize("shutter, time", [(SHUTTER, 1.0), ((0.0, 0.0), 1.0), ((0.0, 0.0), 1.5)])
+def test_points_whose_velocities_are_not_finite_stand_still(shutter, time):
+    stage = StageOf("""
+        def Mesh "A"
+        {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points.timeSamples = { 1: [(0, 0, 0), (1, 0, 0), (0, 1, 0)] }
+            vector3f[] velocities.timeSamples = { 1: [(0, 0, 24), (0, nan, 0), (inf, 0, 0)] }
+        }
+        """)
+    session = _core.Session()
+    TranslateStage(stage, session, time, shutter)
+    geometry = session.Scene().geometry["/A"].geometry
+    np.testing.assert_allclose(geometry.points, [(0, 0, time - 1), (1, 0, 0), (0, 1, 0)], atol=1e-6)
+    assert len(geometry.samples) == (2 if shutter is SHUTTER else 0)
+    for at, points in geometry.samples:
+        np.testing.assert_allclose(points, [(0, 0, at), (1, 0, 0), (0, 1, 0)], atol=1e-6)
+    warned = [line for line in session.Warnings() if "velocities" in line]
+    assert warned == ["/A: velocities are not finite: points that have these stand still"] * (shutter is SHUTTER)
+
+
 @pytest.mark.parametrize("velocities", [False, True])
 def test_instances_that_change_in_number_are_told(velocities):
     stage = StageOf("""

@@ -35,7 +35,9 @@ def DifferenceOf(program, own):
     """What keeps the work of a process with that ProgramOf out of the pictures of another; empty: nothing."""
     if not program or program[0] != own[0]:
         return f"has {f'hdstream {program[0]}' if program else 'another hdstream'}, this is {own[0]}"
-    return "" if tuple(program) == tuple(own) else "has other kernels than this process"
+    if tuple(program[:2]) != tuple(own[:2]):
+        return "has other kernels than this process"
+    return "" if tuple(program) == tuple(own) else "has another color configuration than this process"
 
 
 def Stop(jobId):

@@ -12,14 +12,16 @@ from hdstream import _core, filmSums
 from hdstream.errors import CommandError
 from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
-from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, SamplesSaid, SayDone, TextsOf
+from hdstream.resume import AssetHashes, ColorsOf, KeyOf, SamplesInFile, SamplesSaid, SayDone, TextsOf
 from hdstream.snapshots import PartFileOf, RemoveParts, Snapshots
 from hdstream.textFile import WriteText
 
 
 def ProgramOf():
-    """What two processes must have in common whose work goes into one picture: the version, and a hash of the kernels."""
-    return (_core.VERSION, _core.KernelSourceHash())
+    """What two processes must have in common whose work goes into one picture: the version, a hash of the kernels, and one of the
+    colour configuration, by its contents."""
+    colors = hashlib.blake2b(ColorsOf(AssetHashes()).encode(), digest_size=16).hexdigest()
+    return (_core.VERSION, _core.KernelSourceHash(), colors)
 
 
 @dataclasses.dataclass
@@ -34,7 +36,7 @@ class Job:
     colorCorrectionMode: str = ""
     resumes: bool = False
     snapshotSeconds: float = 0.0  # 0: none
-    program: Tuple[str, str] = ()  # ProgramOf where the job comes from; empty: not said
+    program: Tuple[str, ...] = ()  # ProgramOf where the job comes from; empty: not said
 
 
 @dataclasses.dataclass

@@ -15,6 +15,7 @@ _FORMAT_OF_VAR = "driver:parameters:aov:format"
 _COMPRESSION = "driver:parameters:OpenEXR:compression"
 _DWA_LEVEL = "driver:parameters:OpenEXR:dwaCompressionLevel"
 _MOST_TILE = 65536
+_LONGEST_NAME = 240  # of a layer: names of channels have 255 bytes, the end of which is the channel's own
 _COMPRESSIONS = ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
 _CHANGES_FLOATS = ("pxr24", "dwaa", "dwab")  # b44 and b44a keep them
 _TILE_SIZE = "driver:parameters:OpenEXR:tileSize"  # ours
@@ -162,6 +163,9 @@ def _LayersOf(stage, product, session):
         authored = var.GetAttribute(_NAME_OF_VAR).Get() if var.GetAttribute(_NAME_OF_VAR) else None
         if not authored and aov.startswith("lpe:"):
             authored = var.GetName()  # the name that husk gives a layer; expressions are none to type
+        if len(str(authored or "").encode()) > _LONGEST_NAME:
+            session.Warn(str(target), f"the name of its layer has more than {_LONGEST_NAME} bytes, which no EXR file holds; {aov!r} is used")
+            authored = None
         kind = var.GetAttribute(_FORMAT_OF_VAR).Get() if var.GetAttribute(_FORMAT_OF_VAR) else var.GetAttribute("dataType").Get()
         isHalf = str(kind).startswith("half") or (str(kind).startswith("color") and str(kind).endswith("h"))
         if isHalf and IsMatte(aov):

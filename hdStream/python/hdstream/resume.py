@@ -65,7 +65,7 @@ def _WithoutBits():
     return {"samples", *(info.name for info in _core.SettingTable() if info.group in groups)}
 
 
-def _ColorsOf(assetHashes):
+def ColorsOf(assetHashes):
     """What says which colour configuration is in force: by contents, wherever its files are."""
     try:
         files, words = _core.FindColorConfigSources()
@@ -79,7 +79,7 @@ def KeyOf(renderer, assetHashes):
     withoutBits = _WithoutBits()
     values = {name: value for name, value in renderer.settings.items() if name not in withoutBits}
     digest = hashlib.blake2b(digest_size=16)
-    for text in (_core.VERSION, _core.KernelSourceHash(), _ColorsOf(assetHashes), renderer.SceneText(),
+    for text in (_core.VERSION, _core.KernelSourceHash(), ColorsOf(assetHashes), renderer.SceneText(),
                  json.dumps(values, sort_keys=True)):
         digest.update(text.encode() + b"\0")
     for file in renderer.AssetFiles():

@@ -167,6 +167,37 @@ TEST_F(FlatBvhTest, CopiesBelowGroupsKeepTheLimit) {
     }
 }
 
+// Meshes of one triangle fill no leaf, and each has a place and a transform of its own.
+TEST_F(FlatBvhTest, PlacesOfFewTrianglesKeepTheLimit) {
+    constexpr std::uint32_t kNumMeshes = 3000;
+    AccelScene built;
+    UniformSource uniform(44);
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < kNumMeshes; ++i) {
+        TriangleMesh mesh;
+        mesh.positions = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
+        mesh.triangles = {{0, 1, 2}};
+        placements.push_back(
+            {built.AddMesh(mesh, 60),
+             glm::translate(glm::dmat4(1.0), 20.0 * glm::dvec3(uniform.Vector()))});
+    }
+    built.SetRoot(placements);
+    const std::uint64_t whole = DeviceAccelScene(device, built).Flat().buffer.size();
+    std::uint64_t most = 0; // triangles of any of them
+    for (std::uint64_t percent = 20; percent <= 140; percent += 20) {
+        FlatAmount amount{kNumMeshes, 4.0, 0.0};
+        amount.maxBytes = static_cast<double>(whole * percent / 100);
+        const DeviceAccelScene scene(device, built, {1, {}, amount});
+        if (scene.Flat().numTriangles > 0) {
+            // Instances that stay have boxes in its nodes.
+            const std::uint64_t numLeft = kNumMeshes - scene.Flat().numTriangles;
+            EXPECT_LE(scene.Flat().buffer.size(), amount.maxBytes + 80 * numLeft) << percent;
+        }
+        most = std::max(most, scene.Flat().numTriangles);
+    }
+    EXPECT_EQ(most, kNumMeshes);
+}
+
 /// A few groups and meshes all about, some of them an instancer's.
 std::vector<AccelPlacement> PlaceAbout(const std::vector<std::uint32_t>& objects,
                                        std::uint32_t count, unsigned seed,

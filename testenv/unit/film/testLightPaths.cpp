@@ -248,6 +248,11 @@ TEST(LightPaths, LimitsAreNamed) {
     EXPECT_NE(fail({"C((D{99}){99}){99}L"}).find("its counts multiply"), std::string::npos);
     EXPECT_NE(fail({"C.*D.{12}L"}).find("more than 1024 states"), std::string::npos);
     EXPECT_EQ(fail({"C.*D.{7}L"}), "");
+    // As deep as they are long they would take the stack.
+    const std::string many(400000, '*');
+    EXPECT_NE(fail({"CD" + many + "L"}).find("too many repeats of one event"), std::string::npos);
+    EXPECT_EQ(fail({"CD" + many.substr(0, 100) + "L"}), "");
+    EXPECT_EQ(fail({"C[" + std::string(400000, 'D') + "]*L"}), "");
     std::vector<std::string> labels(1, "C");
     for (int i = 0; i < 200; ++i) {
         labels[0] += "<L.'" + std::to_string(i) + "'>";

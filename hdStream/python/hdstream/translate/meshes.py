@@ -6,6 +6,7 @@ from pxr import Usd, UsdGeom, Vt
 
 from hdstream import _core
 from hdstream.translate import nurbs
+from hdstream.translate.motion import WhereFinite
 from hdstream.translate.primvars import PrimvarsOf
 from hdstream.translate.rereading import Again, IsKept
 from hdstream.translate.usdCalls import GetAttribute, GetValue
@@ -79,7 +80,7 @@ def _ReadPointArray(prim, names, timeCode):
         raise ValueError(f"points are of type {type(points).__name__}, not point3f[]")
     if "velocities" in names and points and Usd.TimeCode(timeCode).IsNumeric():
         moved = UsdGeom.PointBased(prim).ComputePointsAtTime(timeCode, timeCode)
-        points = moved if moved and len(moved) == len(points) else points
+        points = WhereFinite(moved, points) if moved and len(moved) == len(points) else points
     return points
 
 

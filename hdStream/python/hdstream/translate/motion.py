@@ -174,6 +174,11 @@ class Motion:
                 warn(prim, "its topology changes while the shutter is open: drawn without motion blur")
                 return []
         arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
+        if hasVelocities and all(len(array) == count for array in arrays):
+            atRest = prim.GetAttribute("points").Get(self.timeCode)
+            moved, arrays = arrays, [WhereFinite(array, atRest) for array in arrays]
+            if any(array is not own for array, own in zip(arrays, moved)):
+                warn(prim, "velocities are not finite: points that have these stand still")
         return _SamplesOrWarning(prim, self._Told(times), arrays, count, warn)
 
     def ShapeSamplesOf(self, prim, names, count, pointsAt):
@@ -254,6 +259,12 @@ def SampleAt(samples, time, still):
     before = after if times[after] <= time else max(after - 1, 0)
     share = (time - times[before]) / (times[after] - times[before]) if after > before else 0.0
     return (1 - share) * np.asarray(samples[before][1], float) + share * np.asarray(samples[after][1], float)
+
+
+def WhereFinite(moved, points):
+    """What velocities make of points; those that they take nowhere finite stand still."""
+    isFinite = np.isfinite(np.asarray(moved)).all(axis=1)
+    return moved if isFinite.all() else Vt.Vec3fArray.FromNumpy(np.where(isFinite[:, None], moved, points))
 
 
 def _SamplesOrWarning(prim, times, arrays, count, warn):
