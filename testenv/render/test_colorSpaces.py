@@ -436,7 +436,7 @@ def test_a_configuration_that_has_changed_is_read_again(tmp_path, monkeypatch):
     strip.Render(samples=1)
     assert _Value(strip, "camera") == pytest.approx(glow**2, abs=1e-5)
     config.write_text(_CONFIG.format(3))
-    strip.Render(samples=1)
+    strip.picture = ours.Render(strip.path, 4, 4, samples=1, maxDepth=0)
     assert _Value(strip, "camera") == pytest.approx(glow**3, abs=1e-5)
 
     session, settings = _core.Session(), _core.Settings()
