@@ -176,15 +176,15 @@ struct PathTracer::Impl {
         return isDone;
     }
 
-    /// Learns the guide of domes, in a tenth of a limit of time; hosts that edit do not wait for
-    /// it.
-    void LearnDomes(const Onlooker& onlooker, bool isNeeded) {
+    /// Learns the guide of domes, in a tenth of a limit of time; who edits does not wait for it.
+    void LearnDomes(Onlooker* onlooker, bool isNeeded) {
         if (!isNeeded || options.interactive || !MayHaveGuide(*scene->lights)) {
             return;
         }
         const auto isCancelled = [&] {
-            return schedule.IsTimeUp(10.0 * onlooker.timer.Seconds()) ||
-                   (onlooker.watch.isCancelled && onlooker.watch.isCancelled());
+            const auto& ask = onlooker->watch.isCancelled;
+            onlooker->isStopped = onlooker->isStopped || (ask && ask());
+            return onlooker->isStopped || schedule.IsTimeUp(10.0 * onlooker->timer.Seconds());
         };
         const RenderStatistics before = statistics; // counts are those of pictures
         LearnDomeGuide(options, constants.CameraPosition(), &tracer, &buffers,
@@ -409,7 +409,7 @@ struct PathTracer::Impl {
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
         std::optional<SamplePass> pass = schedule.Next();
-        LearnDomes(onlooker, pass.has_value());
+        LearnDomes(&onlooker, pass.has_value());
         while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
             EndPass(*pass, &onlooker);
             pass = schedule.Next();

@@ -78,7 +78,7 @@ std::uint64_t SceneTextures::Budget(const CommittedScene& scene, const Residency
         // Only what has been opened says how much it is.
         std::vector<std::uint32_t> all(numTextures);
         std::iota(all.begin(), all.end(), 0U);
-        scene.lines->Open(all, false);
+        scene.lines->Open(all, false, {});
         for (const std::uint32_t texture : all) {
             totalBytes += std::uint64_t{scene.lines->Record(texture).numLines} * HDS_LINE_BYTES;
         }

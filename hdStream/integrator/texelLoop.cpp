@@ -41,11 +41,21 @@ void TexelLoop::Finish(std::uint32_t numItems, const Relaunch& relaunch) {
     TexelWaiters waiters(numItems, pool->TakeWaiting());
     std::uint32_t launches = 1;
     while (!waiters.IsEmpty()) {
+        _isGivenUp = _isGivenUp || (launches > 1 && _isCancelled && _isCancelled());
+        if (_isGivenUp) {
+            break; // only after a round: who is cancelled ever again gets on, too
+        }
         const std::uint64_t generation = pool->Generation();
-        waiters.Continue(pool->ProcessRequests(waiters.NumItems()));
+        const TexturePool::Outcome outcome =
+            pool->ProcessRequests(waiters.NumItems(), _isCancelled);
         if (pool->Generation() != generation) {
             _kernels->Bind(*_buffers);
         }
+        _isGivenUp = outcome.isCancelled;
+        if (_isGivenUp) {
+            break;
+        }
+        waiters.Continue(outcome);
         ++launches;
         pool->SetAcceptsCoarserMips(_iterations > 0 && launches >= _iterations);
         const std::vector<std::uint32_t> items = waiters.Take();

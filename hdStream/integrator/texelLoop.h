@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 
 namespace hds {
 
@@ -24,8 +25,16 @@ public:
     /// coarser mips are taken for texels that are still missing; 0: never.
     void Ready(StageKernels* kernels, std::uint32_t maxItems, std::uint32_t iterations);
 
+    /// Of the launches to come: asked while texels are loaded. Empty: they are not cancelled.
+    /// What is given up until the next call stays given up.
+    void Watch(LineProvider::IsCancelled isCancelled) {
+        _isCancelled = std::move(isCancelled);
+        _isGivenUp = false;
+    }
+
     /// After a launch of `numItems`: as long as some wait for texels, loads those and launches them
-    /// again. Does nothing when textures do not stream. Blocks.
+    /// again. Does nothing when textures do not stream. Blocks. Where it is cancelled, those that
+    /// still wait are given up, and with them the wave that they are of.
     void Finish(std::uint32_t numItems, const Relaunch& relaunch);
 
     /// Seconds of preparing, reading and loading so far.
@@ -37,6 +46,8 @@ private:
     RenderStatistics* _statistics;
     StageKernels* _kernels = nullptr;
     std::uint32_t _iterations = 0;
+    LineProvider::IsCancelled _isCancelled;
+    bool _isGivenUp = false; ///< some that have waited were
     Buffer _queue;
 };
 

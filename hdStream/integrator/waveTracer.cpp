@@ -89,12 +89,21 @@ std::vector<std::uint32_t> WaveTracer::ReadDomeGuide() const {
 
 bool WaveTracer::Trace(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
                        const IsCancelled& isCancelled) {
+    bool isOver = false; // once told, it is not asked again
+    const IsCancelled isStopped = [&] {
+        isOver = isOver || (isCancelled && isCancelled());
+        return isOver;
+    };
+    _texels.Watch(isStopped);
     if (_hasLists) {
-        return TraceWithLists(numPaths, generate, shade, isCancelled);
+        TraceWithLists(numPaths, generate, shade, isStopped);
+    } else {
+        ClearBounce(); // takes no command while nothing is queued
+        generate(0, numPaths, _queues.Queue(_present), 0);
+        TraceInStep(numPaths, shade, isStopped);
     }
-    ClearBounce(); // takes no command while nothing is queued
-    generate(0, numPaths, _queues.Queue(_present), 0);
-    return TraceInStep(numPaths, shade, isCancelled);
+    _texels.Watch({});
+    return !isOver; // the last to ask may have been those that wait for texels
 }
 
 /// Of what shading sends on.
@@ -102,16 +111,13 @@ void WaveTracer::ClearBounce() {
     _queues.ClearCounter(HDS_COUNTER_ACTIVE, 2);
 }
 
-/// Traces the paths of queue _present, bounce by bounce, until all have ended.
+/// Traces the paths of queue _present, bounce by bounce, until all have ended or it is cancelled.
 /// Precondition: ClearBounce.
-bool WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
-                             const IsCancelled& isCancelled) {
+void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
+                             const IsCancelled& isStopped) {
     std::uint32_t numShadows = 0;
     bool isCleared = true;
-    while (active + numShadows > 0) {
-        if (isCancelled && isCancelled()) {
-            return false;
-        }
+    while (active + numShadows > 0 && !isStopped()) {
         Counts counts{};
         if (IsBrief(active + numShadows)) {
             if (!isCleared) {
@@ -126,7 +132,6 @@ bool WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
     }
-    return true;
 }
 
 /// Whether a batch may be shaded before anybody looks at what tracing it has found.
@@ -154,22 +159,17 @@ WaveTracer::Counts WaveTracer::TraceAndShade(std::uint32_t active, std::uint32_t
 }
 
 /// Traces paths [0, numPaths), which are not in step: when few go on, new ones or, after a round
-/// of pages, those that have waited join them.
-bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate,
-                                const Shade& shade, const IsCancelled& isCancelled) {
+/// of pages, those that have waited join them. Ends before when it is cancelled.
+void WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate,
+                                const Shade& shade, const IsCancelled& isStopped) {
     _queues.ClearWaiting();
     _queues.ClearCounter(HDS_COUNTER_READY);
     Counts counts{};
     std::uint32_t numBegun = 0;
     std::uint32_t iterations = 1;
-    bool isOver = false; // once told, it is not asked again
-    const IsCancelled isStopped = [&] {
-        isOver = isOver || (isCancelled && isCancelled());
-        return isOver;
-    };
     while (true) {
         if (isStopped()) {
-            return false;
+            return;
         }
         std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
         const std::uint32_t numShadows = counts[HDS_COUNTER_SHADOW];
@@ -202,7 +202,6 @@ bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate
     _queues.WriteQueue(_present, slots, 0);
     KeepSums(0, static_cast<std::uint32_t>(slots.size()));
     _launches->CountIterations(iterations);
-    return true;
 }
 
 /// Whether there are slots for paths to begin in: some that no path has had yet, or a tile, or half
@@ -320,12 +319,12 @@ void WaveTracer::LaunchPass(const Buffer& queue, std::uint32_t count, std::uint3
 /// Processes requests and goes on with what waits for them. Appends to the paths and shadow rays
 /// that go on already. \param counts as after the last launch. \return them now.
 WaveTracer::Counts WaveTracer::ProcessRequestsAndResume(const Counts& counts, const Shade& shade,
-                                                        const IsCancelled& isCancelled) {
+                                                        const IsCancelled& isStopped) {
     std::array<std::uint32_t, WaveQueues::NumWaiting> waiting{};
     std::copy_n(counts.begin() + HDS_COUNTER_WAITING_RAYS, waiting.size(), waiting.begin());
     const std::uint32_t numRays = waiting[WaveQueues::WaitingRays];
     const std::uint32_t numShadows = waiting[WaveQueues::WaitingShadows];
-    _buffers->Streaming().ProcessRequests(isCancelled);
+    _buffers->Streaming().ProcessRequests(isStopped);
     _statistics->raysRelaunched += numRays + numShadows;
     _queues.Turn();
     const Timer timer;

@@ -45,7 +45,7 @@ public:
     void Ready(StageKernels* kernels, bool hasCutouts, Size size, std::uint32_t tileSize,
                std::uint32_t shadeIterations);
 
-    /// Asked between launches; true ends the wave.
+    /// Asked between launches, and between what they wait for; true ends the wave.
     using IsCancelled = std::function<bool()>;
 
     /// Traces paths [0, numPaths) to completion. \return false when it was cancelled before: the
@@ -83,11 +83,11 @@ public:
 private:
     double RequestSeconds() const;
     void ClearBounce();
-    bool TraceInStep(std::uint32_t active, const Shade& shade, const IsCancelled& isCancelled);
+    void TraceInStep(std::uint32_t active, const Shade& shade, const IsCancelled& isStopped);
     bool IsBrief(std::uint32_t numRays) const;
     Counts TraceAndShade(std::uint32_t active, std::uint32_t numShadows, const Shade& shade);
-    bool TraceWithLists(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
-                        const IsCancelled& isCancelled);
+    void TraceWithLists(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
+                        const IsCancelled& isStopped);
     bool HasSlotsFor(const Counts& counts, std::uint32_t numBegun) const;
     std::uint32_t BeginPaths(const Counts& counts, std::uint32_t numBegun, std::uint32_t numPaths,
                              const Generate& generate);
@@ -101,7 +101,7 @@ private:
     Counts ShadeReady(const Counts& counts, const Buffer* hits, std::uint32_t numHits,
                       const Shade& shade);
     Counts ProcessRequestsAndResume(const Counts& counts, const Shade& shade,
-                                    const IsCancelled& isCancelled);
+                                    const IsCancelled& isStopped);
     void ResumeShadows(const Buffer& queue, std::uint32_t count);
     void ResumeCandidates(const Buffer& queue, std::uint32_t count);
 

@@ -40,11 +40,12 @@ std::uint64_t SceneLines::GridLines() const {
     return sum;
 }
 
-void SceneLines::Open(const std::vector<std::uint32_t>& textures, bool allLines) {
+bool SceneLines::Open(const std::vector<std::uint32_t>& textures, bool allLines,
+                      const IsCancelled& isCancelled) {
     std::vector<std::uint32_t> images;
     std::copy_if(textures.begin(), textures.end(), std::back_inserter(images),
                  [&](std::uint32_t texture) { return !IsGrid(texture); });
-    _textures->Open(images, allLines);
+    return _textures->Open(images, allLines, isCancelled);
 }
 
 shared::HdsTexture SceneLines::Record(std::uint32_t texture) const {
@@ -54,7 +55,8 @@ shared::HdsTexture SceneLines::Record(std::uint32_t texture) const {
     return Grid(texture).lines->Record();
 }
 
-void SceneLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
+bool SceneLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+                      const IsCancelled& isCancelled) {
     std::vector<LineId> images;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -69,15 +71,19 @@ void SceneLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
             all, [&](const auto& range) { ReadGrids(lines, range.begin(), range.end(), bytes); });
     }
     if (images.size() == lines.size()) {
-        _textures->Read(lines, bytes);
-    } else if (!images.empty()) {
+        return _textures->Read(lines, bytes, isCancelled);
+    }
+    if (!images.empty()) {
         std::vector<std::uint8_t> read(images.size() * HDS_LINE_BYTES);
-        _textures->Read(images, read.data());
+        if (!_textures->Read(images, read.data(), isCancelled)) {
+            return false;
+        }
         for (std::size_t i = 0; i < images.size(); ++i) {
             std::memcpy(bytes + places[i] * HDS_LINE_BYTES, read.data() + i * HDS_LINE_BYTES,
                         HDS_LINE_BYTES);
         }
     }
+    return true;
 }
 
 /// Those of lines [begin, end) that are of grids; zeros when they cannot be read any more. Lines of

@@ -27,9 +27,11 @@ public:
     std::uint64_t GridLines() const override;
     /// As of TextureLines.
     std::uint64_t TotalLines() const;
-    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override;
+    bool Open(const std::vector<std::uint32_t>& textures, bool allLines,
+              const IsCancelled& isCancelled) override;
     shared::HdsTexture Record(std::uint32_t texture) const override;
-    void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
+    bool Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+              const IsCancelled& isCancelled) override;
 
 private:
     void ReadGrids(const std::vector<LineId>& lines, std::size_t begin, std::size_t end,

@@ -6,6 +6,7 @@
 #include "kernels/shared/textureCache.h"
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct LineId {
 class LineProvider {
 public:
     static constexpr std::uint64_t kUnknown = std::numeric_limits<std::uint64_t>::max();
+    /// Whether to stop. Asked between images by the thread that has called; never again once it has
+    /// said so. May be empty.
+    using IsCancelled = std::function<bool()>;
 
     virtual ~LineProvider() = default;
     virtual std::uint32_t NumTextures() const = 0;
@@ -37,12 +41,17 @@ public:
     virtual std::uint64_t GridLines() const { return 0; }
     /// Makes the records of some textures ready, on all cores, and such lines as are cheap to make
     /// with them; Read makes the others. Blocks. \param allLines all of them will be read
-    virtual void Open(const std::vector<std::uint32_t>& textures, bool allLines) = 0;
+    /// \return false when it was cancelled: some were opened, which are ready when they are asked
+    /// for again.
+    virtual bool Open(const std::vector<std::uint32_t>& textures, bool allLines,
+                      const IsCancelled& isCancelled) = 0;
     /// Record of a texture; its firstLine says nothing. \pre the texture was opened.
     virtual shared::HdsTexture Record(std::uint32_t texture) const = 0;
     /// Copies lines of textures that were opened, one after the other, to `bytes`
-    /// [lines.size()][HDS_LINE_BYTES]. Blocks.
-    virtual void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) = 0;
+    /// [lines.size()][HDS_LINE_BYTES]. Blocks. \return false when it was cancelled: the bytes are
+    /// of no use, and some lines were made, which are ready when they are asked for again.
+    virtual bool Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+                      const IsCancelled& isCancelled) = 0;
 };
 
 } // namespace hds

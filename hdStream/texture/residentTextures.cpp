@@ -53,7 +53,7 @@ void ResidentTextures::OpenAll(LineProvider* provider) {
         const std::size_t end = std::min(all.size(), begin + kBatchTextures);
         const std::vector<std::uint32_t> batch(all.begin() + static_cast<std::ptrdiff_t>(begin),
                                                all.begin() + static_cast<std::ptrdiff_t>(end));
-        provider->Open(batch, true);
+        provider->Open(batch, true, {});
         for (const std::uint32_t texture : batch) {
             _textures.Add(*provider, texture);
         }
@@ -79,7 +79,7 @@ void ResidentTextures::UploadLines(LineProvider* provider) {
             lines.push_back(_textures.Find(line));
         }
         const Timer readTimer;
-        provider->Read(lines, bytes.data());
+        provider->Read(lines, bytes.data(), {});
         _statistics.readSeconds += readTimer.Seconds();
         // Batches end where buffers do.
         static_assert(LineBuffers::kSlotsPerBuffer % kBatchLines == 0, "batches cross buffers");

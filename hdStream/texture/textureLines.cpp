@@ -3,9 +3,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -15,6 +17,27 @@ namespace {
 
 /// Lines that a task reads, so that small rounds of requests are no work for a second core.
 constexpr std::size_t kLinesPerTask = 64;
+
+/// Does something for each of `count` images, on all cores. The thread that calls asks after each
+/// of its own whether to go on, so who cancels waits for one image a thread.
+/// \return false when it was cancelled.
+template <typename Action>
+bool ForEachImage(std::size_t count, const LineProvider::IsCancelled& isCancelled,
+                  const Action& action) {
+    std::atomic<bool> isOver{false};
+    const std::thread::id caller = std::this_thread::get_id();
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        if (isOver.load(std::memory_order_relaxed)) {
+            return;
+        }
+        action(i);
+        if (isCancelled && std::this_thread::get_id() == caller &&
+            !isOver.load(std::memory_order_relaxed) && isCancelled()) {
+            isOver.store(true, std::memory_order_relaxed);
+        }
+    });
+    return !isOver.load(std::memory_order_relaxed);
+}
 
 } // namespace
 
@@ -48,10 +71,11 @@ std::uint64_t TextureLines::TotalLines() const {
     return lines;
 }
 
-void TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLines) {
+bool TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLines,
+                        const IsCancelled& isCancelled) {
     const std::uint64_t texelsAtOnce =
         allLines ? TexturePreparer::kAllTexels : TexturePreparer::kTexelsAtOnce;
-    tbb::parallel_for(std::size_t{0}, textures.size(), [&](std::size_t i) {
+    return ForEachImage(textures.size(), isCancelled, [&](std::size_t i) {
         const TextureImage& image = _images[textures[i]];
         if (!_textures[textures[i]]) {
             _textures[textures[i]] = _preparer->Prepare(image.source, image.request, texelsAtOnce);
@@ -62,7 +86,7 @@ void TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLine
 void TextureLines::MakeAll(std::uint32_t begin, std::uint32_t end) {
     std::vector<std::uint32_t> textures(end - begin);
     std::iota(textures.begin(), textures.end(), begin);
-    Open(textures, true);
+    Open(textures, true, {});
     tbb::parallel_for(begin, end, [this](std::uint32_t texture) {
         std::vector<std::uint32_t> lines(_textures[texture]->NumLines());
         std::iota(lines.begin(), lines.end(), 0U);
@@ -70,20 +94,21 @@ void TextureLines::MakeAll(std::uint32_t begin, std::uint32_t end) {
     });
 }
 
-/// Makes lines that are not there, different textures at once.
-void TextureLines::Make(const std::vector<LineId>& lines) const {
+/// Makes lines that are not there, different textures at once. \return false when it was cancelled.
+bool TextureLines::Make(const std::vector<LineId>& lines, const IsCancelled& isCancelled) const {
     std::map<std::uint32_t, std::vector<std::uint32_t>> byTexture;
     for (const LineId& id : lines) {
         byTexture[id.texture].push_back(id.line);
     }
     const std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> ofTextures(
         byTexture.begin(), byTexture.end());
-    tbb::parallel_for(std::size_t{0}, ofTextures.size(), [&](std::size_t i) {
+    return ForEachImage(ofTextures.size(), isCancelled, [&](std::size_t i) {
         _textures[ofTextures[i].first]->MakeLines(ofTextures[i].second);
     });
 }
 
-void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
+bool TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+                        const IsCancelled& isCancelled) {
     std::vector<std::uint8_t> isMissing(lines.size());
     const tbb::blocked_range<std::size_t> all(0, lines.size(), kLinesPerTask);
     tbb::parallel_for(all, [&](const auto& range) {
@@ -102,7 +127,9 @@ void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
             missing.push_back(lines[i]);
         }
     }
-    Make(missing);
+    if (!Make(missing, isCancelled)) {
+        return false;
+    }
     for (std::size_t i = 0; i < lines.size(); ++i) {
         if (isMissing[i] != 0) {
             TextureLine line;
@@ -111,6 +138,7 @@ void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
             std::memcpy(bytes + i * HDS_LINE_BYTES, line.data(), HDS_LINE_BYTES);
         }
     }
+    return true;
 }
 
 } // namespace hds

@@ -33,7 +33,8 @@ public:
     /// All lines: exact for textures that were opened, upper bounds for others. Reads the headers
     /// of those without one.
     std::uint64_t TotalLines() const;
-    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override;
+    bool Open(const std::vector<std::uint32_t>& textures, bool allLines,
+              const IsCancelled& isCancelled) override;
     /// Opens textures [begin, end) and makes all of their lines that are not there, on all cores.
     /// Blocks.
     void MakeAll(std::uint32_t begin, std::uint32_t end);
@@ -42,10 +43,11 @@ public:
     shared::HdsTexture Record(std::uint32_t texture) const override {
         return _textures[texture]->Record();
     }
-    void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
+    bool Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+              const IsCancelled& isCancelled) override;
 
 private:
-    void Make(const std::vector<LineId>& lines) const;
+    bool Make(const std::vector<LineId>& lines, const IsCancelled& isCancelled) const;
 
     std::shared_ptr<TexturePreparer> _preparer;
     std::vector<TextureImage> _images;

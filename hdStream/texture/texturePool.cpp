@@ -129,7 +129,7 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
     } else {
         RemoveLines(gone);
     }
-    _provider->Open(_textures.Open(), false);
+    _provider->Open(_textures.Open(), false, {});
     HDS_VERIFY(Bytes() <= budgetBytes + grids.bytes, "texture pool larger than its budget");
     // Requests and items of a render that was stopped mean something else now.
     MakeRequests();
@@ -311,7 +311,8 @@ std::vector<std::uint32_t> TexturePool::TakeRequests() {
     return requests;
 }
 
-TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems) {
+TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems,
+                                                  const LineProvider::IsCancelled& isCancelled) {
     const Timer timer;
     const double before = _statistics.openSeconds + _statistics.readSeconds;
     Outcome outcome;
@@ -325,13 +326,15 @@ TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems) {
     std::transform(firstTexture, requests.end(), std::back_inserter(textures),
                    [](std::uint32_t request) { return request & ~HDS_REQUEST_TEXTURE; });
     std::vector<Load> loads;
-    OpenAll(textures, &loads);
-    outcome.numLoaded = static_cast<std::uint32_t>(textures.size());
-    std::transform(requests.begin(), firstTexture, std::back_inserter(loads),
-                   [](std::uint32_t line) {
-                       return Load{line, false};
-                   });
-    LoadAll(loads, &outcome);
+    outcome.isCancelled = !OpenAll(textures, &loads, isCancelled);
+    if (!outcome.isCancelled) {
+        outcome.numLoaded = static_cast<std::uint32_t>(textures.size());
+        std::transform(requests.begin(), firstTexture, std::back_inserter(loads),
+                       [](std::uint32_t line) {
+                           return Load{line, false};
+                       });
+        LoadAll(loads, &outcome, isCancelled);
+    }
     _stampView.reset();
     _epoch = std::max(1U, _epoch + 1);
     const std::uint32_t epoch = Epoch();
@@ -342,14 +345,19 @@ TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems) {
     return outcome;
 }
 
-/// Opens textures. \param[out] loads gets the line with the coarsest mips of each.
-void TexturePool::OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads) {
+/// Opens textures. \param[out] loads gets the line with the coarsest mips of each. \return false
+/// when it was cancelled: none counts as opened.
+bool TexturePool::OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads,
+                          const LineProvider::IsCancelled& isCancelled) {
     if (textures.empty()) {
-        return;
+        return true;
     }
     const Timer timer;
-    _provider->Open(textures, false);
+    const bool areOpen = _provider->Open(textures, false, isCancelled);
     _statistics.openSeconds += timer.Seconds();
+    if (!areOpen) {
+        return false;
+    }
     for (const std::uint32_t texture : textures) {
         _textures.Add(*_provider, texture);
         const shared::HdsTexture& record = _textures.Records()[texture];
@@ -358,27 +366,44 @@ void TexturePool::OpenAll(const std::vector<std::uint32_t>& textures, std::vecto
     }
     _table.Reserve(_textures.NumLines());
     _statistics.openedTextures += textures.size();
+    return true;
 }
 
-void TexturePool::LoadAll(const std::vector<Load>& loads, Outcome* outcome) {
+/// Coarsest mips come first, and are loaded whatever is asked: each texture that is open has its
+/// own.
+void TexturePool::LoadAll(const std::vector<Load>& loads, Outcome* outcome,
+                          const LineProvider::IsCancelled& isCancelled) {
     const std::size_t batch = _stagedBytes.size() / HDS_LINE_BYTES;
-    for (std::size_t begin = 0; begin < loads.size(); begin += batch) {
-        const std::size_t end = std::min(loads.size(), begin + batch);
+    const auto firstOther =
+        std::find_if(loads.begin(), loads.end(), [](const Load& load) { return !load.isPinned; });
+    const auto numPinned = static_cast<std::size_t>(firstOther - loads.begin());
+    std::size_t end = 0;
+    for (std::size_t begin = 0; begin < loads.size() && !outcome->isCancelled; begin = end) {
+        const bool arePinned = begin < numPinned;
+        if (begin > 0 && !arePinned && isCancelled && isCancelled()) {
+            outcome->isCancelled = true;
+            break;
+        }
+        end = std::min(arePinned ? numPinned : loads.size(), begin + batch);
         LoadBatch({loads.begin() + static_cast<std::ptrdiff_t>(begin),
                    loads.begin() + static_cast<std::ptrdiff_t>(end)},
-                  outcome);
+                  outcome, arePinned ? LineProvider::IsCancelled() : isCancelled);
     }
     PublishTable(); // also when textures were opened and none of their lines found room
 }
 
-void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome) {
+void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome,
+                            const LineProvider::IsCancelled& isCancelled) {
     std::vector<LineId> lines;
     for (const Load& load : loads) {
         lines.push_back(_textures.Find(load.line));
     }
     const Timer timer;
-    _provider->Read(lines, _stagedBytes.data());
+    outcome->isCancelled = !_provider->Read(lines, _stagedBytes.data(), isCancelled);
     _statistics.readSeconds += timer.Seconds();
+    if (outcome->isCancelled) {
+        return;
+    }
     std::vector<shared::HdsLineCopy> copies;
     for (std::size_t i = 0; i < loads.size(); ++i) {
         std::uint8_t* bytes = _stagedBytes.data() + i * HDS_LINE_BYTES;

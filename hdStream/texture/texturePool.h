@@ -39,6 +39,7 @@ public:
     struct Outcome {
         std::uint32_t numLoaded = 0; ///< lines, and textures that were opened
         std::uint32_t numDenied = 0; ///< requests that found no room
+        bool isCancelled = false;    ///< what was not loaded is forgotten
     };
 
     static constexpr std::uint32_t kRequestCapacity = 1U << 16U;
@@ -72,8 +73,10 @@ public:
     void SetAcceptsCoarserMips(bool accepts);
     /// Opens textures and loads lines that were asked for. Blocks. \param numItems most items of
     /// the launches up to the next call, or to ExpectAnyItems: what few can ask for is soon
-    /// cleared.
-    Outcome ProcessRequests(std::uint32_t numItems = kAnyItems);
+    /// cleared. \param isCancelled asked between images and batches of lines; where it says so, the
+    /// others are not loaded, and those who wait for them must be given up.
+    Outcome ProcessRequests(std::uint32_t numItems = kAnyItems,
+                            const LineProvider::IsCancelled& isCancelled = {});
     /// Launches to come may be of any number of items.
     void ExpectAnyItems() { SetSetSize(_maxSetSize); }
     /// Adds what kernels have counted to the statistics. Blocks.
@@ -132,9 +135,12 @@ private:
     void SetSetSize(std::uint32_t numWords);
     std::uint32_t TakeCounts();
     std::vector<std::uint32_t> TakeRequests();
-    void OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads);
-    void LoadAll(const std::vector<Load>& loads, Outcome* outcome);
-    void LoadBatch(const std::vector<Load>& loads, Outcome* outcome);
+    bool OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads,
+                 const LineProvider::IsCancelled& isCancelled);
+    void LoadAll(const std::vector<Load>& loads, Outcome* outcome,
+                 const LineProvider::IsCancelled& isCancelled);
+    void LoadBatch(const std::vector<Load>& loads, Outcome* outcome,
+                   const LineProvider::IsCancelled& isCancelled);
     std::uint32_t PlaceLine(const Load& load, bool isOfGrid, const std::uint8_t* bytes,
                             bool* needsCopy);
     void CopyStaged(std::vector<shared::HdsLineCopy> copies);

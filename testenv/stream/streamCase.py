@@ -132,14 +132,14 @@ class Case:
         assert self.statistics["geometry"]["streamedSamples"] == self.statistics["geometry"]["evictions"] == 0
         return self
 
-    def Start(self, onProgress=None, **settings):
+    def Start(self, onProgress=None, isCancelled=None, **settings):
         """The result of a render, complete or not."""
         options = self.core.Settings()
         options.camera, options.imageWidth, options.imageHeight = self.camera, *SIZE
         options.aovs, options.samples, options.chunkBytes = AOVS, SAMPLES, CHUNK_BYTES
         for name, value in settings.items():
             setattr(options, name, value)
-        return self.session.Render(options, onProgress)
+        return self.session.Render(options, onProgress, [], isCancelled)
 
     def Render(self, onProgress=None, **settings):
         """(layers by name, statistics)"""

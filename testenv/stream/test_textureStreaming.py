@@ -63,6 +63,33 @@ def test_what_fits_is_loaded_once_and_stays(Textured):
     assert second["lookups"] > 0
 
 
+@pytest.mark.parametrize("settings", [dict(), dict(geometryMemory="20%")], ids=["in step", "with lists"])
+def test_cancelled_while_texels_are_loaded(Textured, tmp_path, settings):
+    """Whenever it is: the render stops, nothing of the wave is seen, and the next one has the same bits."""
+    case, cache = Textured.Fresh(), ColdCache(tmp_path / "cache")
+    numAsked, stopsAt = 0, 1
+
+    def IsCancelled():
+        nonlocal numAsked
+        numAsked += 1
+        return numAsked == stopsAt
+
+    fractions = []
+    while stopsAt < 2000:
+        numAsked = 0
+        told = []
+        result = case.Start(lambda progress: told.append(progress.fraction) or True, IsCancelled, residency="stream",
+                            textureMemory="40K", waveSize=3000, cacheDirectory=cache, **settings)
+        if result == case.core.RenderResult.Complete:
+            break
+        assert result == case.core.RenderResult.Stopped and numAsked == stopsAt, "it is not asked again"
+        fractions.append(told[-1] if told else 0.0)
+        stopsAt += 1 + stopsAt // 3
+    assert fractions[0] == 0.0 < fractions[-1] < 1.0
+    assert len(fractions) > 8 and fractions == sorted(fractions)
+    case.AssertStreamsTextures(textureMemory="40K", waveSize=3000, cacheDirectory=cache, **settings)
+
+
 def test_device_memory_is_what_was_asked_for(Textured):
     """By the allocator's own account: what is neither the pool nor its tables does not depend on the pool."""
     others = []

@@ -95,16 +95,22 @@ public:
         }
         return lines;
     }
-    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override {
+    bool Open(const std::vector<std::uint32_t>& textures, bool allLines,
+              const IsCancelled& isCancelled) override {
         for (const std::uint32_t texture : textures) {
             opened.insert(texture);
             ++numOpens;
+            if (isCancelled && isCancelled()) {
+                return false;
+            }
         }
+        return true;
     }
     shared::HdsTexture Record(std::uint32_t texture) const override { return _records[texture]; }
     /// Whether a texture was read before it was opened.
     bool isMisused = false;
-    void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override {
+    bool Read(const std::vector<LineId>& lines, std::uint8_t* bytes,
+              const IsCancelled& isCancelled) override {
         for (const LineId& line : lines) {
             isMisused = isMisused || opened.count(line.texture) == 0;
             for (std::uint32_t word = 0; word < kLineWords; ++word) {
@@ -114,6 +120,7 @@ public:
             }
             ++numReads;
         }
+        return !isCancelled || !isCancelled();
     }
 
     std::uint64_t TotalLines() const {

@@ -436,6 +436,50 @@ TEST_F(TexturePoolTest, RequestsOfAStoppedRenderAreForgotten) {
     ExpectExact(after, list, Read(&pool, list, 1));
 }
 
+TEST_F(TexturePoolTest, WhoCancelsWaitsForOneImageOrBatchOnly) {
+    std::vector<FakeTexture> list;
+    for (std::uint64_t id = 80; id < 88; ++id) {
+        list.push_back({id, 512, 512});
+    }
+    FakeTextures textures(list);
+    TexturePool pool(device);
+    pool.Update(&textures, 8U << 20U, 8);
+    const std::vector<Tap> taps = RandomTaps(textures, 20000, 9);
+    numTaps = 1;
+    tapBuffer = Upload(taps);
+    resultBuffer = Allocate(taps.size() * 4);
+    std::vector<std::uint32_t> items(taps.size());
+    std::iota(items.begin(), items.end(), 0U);
+    const auto cancelled = [&](const LineProvider::IsCancelled& isCancelled) {
+        pool.ReserveItems(static_cast<std::uint32_t>(items.size()));
+        EXPECT_FALSE(Launch(&pool, items).empty());
+        const TexturePool::Outcome outcome =
+            pool.ProcessRequests(TexturePool::kAnyItems, isCancelled);
+        EXPECT_TRUE(outcome.isCancelled);
+        return outcome.numLoaded;
+    };
+    EXPECT_EQ(cancelled([] { return true; }), 0U);
+    EXPECT_EQ(textures.numOpens, 1U);
+    EXPECT_EQ(pool.Statistics().openedTextures, 0U);
+    // Coarsest lines are loaded whatever is asked.
+    pool.ReserveItems(static_cast<std::uint32_t>(items.size()));
+    Launch(&pool, items);
+    int numAsked = 0;
+    pool.ProcessRequests(TexturePool::kAnyItems, [&] { return ++numAsked == 9; });
+    EXPECT_EQ(numAsked, 8);
+    EXPECT_EQ(pool.Statistics().linesLoaded, 8U);
+    // Of the lines one batch of 2048, until the next is read; then until the next is begun.
+    for (const int last : {3, 2}) {
+        const std::uint64_t before = pool.Statistics().linesLoaded;
+        numAsked = 0;
+        EXPECT_EQ(cancelled([&] { return ++numAsked == last; }), 2048U);
+        EXPECT_EQ(numAsked, last);
+        EXPECT_EQ(pool.Statistics().linesLoaded, before + 2048U);
+    }
+    ExpectExact(textures, taps, Read(&pool, taps, 1));
+    EXPECT_FALSE(textures.isMisused);
+}
+
 TEST_F(TexturePoolTest, AKnownTotalBoundsThePool) {
     FakeTextures textures(MixedTextures());
     textures.maxLines = textures.TotalLines();

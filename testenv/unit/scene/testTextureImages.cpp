@@ -70,7 +70,7 @@ TEST_F(TextureImagesTest, LinesAreThoseOfThePreparedTexture) {
         ids.push_back({1, i * 7 % static_cast<std::uint32_t>(expected.size())});
     }
     std::vector<std::uint8_t> bytes(ids.size() * HDS_LINE_BYTES);
-    lines->Read(ids, bytes.data());
+    EXPECT_TRUE(lines->Read(ids, bytes.data(), {}));
     for (std::size_t i = 0; i < ids.size(); ++i) {
         ASSERT_EQ(
             std::memcmp(&bytes[i * HDS_LINE_BYTES], expected[ids[i].line].data(), HDS_LINE_BYTES),

@@ -6,6 +6,8 @@
 #include "hdStream/texture/textureLines.h"
 #include "testenv/unit/texture/textureFixtures.h"
 
+#include <tbb/task_arena.h>
+
 #include <cstring>
 #include <filesystem>
 #include <thread>
@@ -202,19 +204,53 @@ TEST_F(FinerMipsTest, OfSeveralTexturesAreMadeFromOneList) {
         expected.push_back(Expected({path, "raw"}));
     }
     TextureLines lines(std::make_shared<TexturePreparer>(OpenStore(), &warnings), images);
-    lines.Open({0, 1, 2}, false);
+    EXPECT_TRUE(lines.Open({0, 1, 2}, false, {}));
     std::vector<LineId> ids;
     for (std::uint32_t i = 0; i < 600; ++i) {
         ids.push_back({i % 3, (600 - i) * 16});
     }
     std::vector<std::uint8_t> bytes(ids.size() * HDS_LINE_BYTES);
-    lines.Read(ids, bytes.data());
+    EXPECT_TRUE(lines.Read(ids, bytes.data(), {}));
     for (std::size_t i = 0; i < ids.size(); ++i) {
         ASSERT_EQ(std::memcmp(&bytes[i * HDS_LINE_BYTES],
                               expected[ids[i].texture][ids[i].line].data(), HDS_LINE_BYTES),
                   0)
             << i;
     }
+}
+
+TEST_F(FinerMipsTest, WhoCancelsWaitsForOneImageOnly) {
+    tbb::task_arena alone(1);
+    std::vector<TextureImage> images;
+    std::vector<std::string> paths;
+    for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) {
+        const std::string path = WriteImage(name, 1900, 1300, 3, OIIO::TypeUInt8);
+        paths.push_back(path);
+        images.push_back({{path, 0, 0, ""}, Request("raw"), images.size(), 1 << 20});
+    }
+    TextureLines lines(std::make_shared<TexturePreparer>(OpenStore(), &warnings, kNoneKept),
+                       images);
+    int numAsked = 0;
+    const auto isSecond = [&] { return ++numAsked == 2; };
+    alone.execute([&] {
+        EXPECT_FALSE(lines.Open({0, 1, 2, 3}, false, isSecond));
+        EXPECT_EQ(lines.NumBuilt(), 2U);
+        EXPECT_EQ(numAsked, 2) << "it is not asked again";
+        EXPECT_TRUE(lines.Open({0, 1, 2, 3}, false, [] { return false; }));
+        EXPECT_EQ(lines.NumBuilt(), 4U);
+        // Lines of the finest mips, which are made of the files.
+        const std::vector<LineId> ids = {{0, 0}, {1, 0}, {2, 0}, {3, 0}};
+        std::vector<std::uint8_t> bytes(ids.size() * HDS_LINE_BYTES);
+        numAsked = 0;
+        EXPECT_FALSE(lines.Read(ids, bytes.data(), isSecond));
+        EXPECT_EQ(numAsked, 2);
+        EXPECT_TRUE(lines.Read(ids, bytes.data(), [] { return false; }));
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+            EXPECT_EQ(std::memcmp(&bytes[i * HDS_LINE_BYTES], Expected({paths[i], "raw"})[0].data(),
+                                  HDS_LINE_BYTES),
+                      0);
+        }
+    });
 }
 
 } // namespace
