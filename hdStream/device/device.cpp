@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <mutex>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -201,9 +202,57 @@ std::vector<DeviceProperties> ListDeviceProperties() {
 
 Device::Device() : _handles(std::make_unique<Handles>()) {}
 
+namespace {
+
+/// Handles that nobody uses, one for each device at most. They live as long as the process: the
+/// driver's own globals may be gone before ours are.
+struct IdleHandles {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<Device::Handles>> handles;
+
+    static IdleHandles& Instance() {
+        static auto* const instance = new IdleHandles;
+        return *instance;
+    }
+
+    /// Null: none of this device.
+    std::unique_ptr<Device::Handles> Take(cl_device_id device) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        const auto found = std::find_if(handles.begin(), handles.end(), [&](const auto& candidate) {
+            return candidate->device == device;
+        });
+        if (found == handles.end()) {
+            return nullptr;
+        }
+        std::unique_ptr<Device::Handles> taken = std::move(*found);
+        handles.erase(found);
+        return taken;
+    }
+};
+
+} // namespace
+
+bool Device::LeaveHandles() {
+    IdleHandles& idle = IdleHandles::Instance();
+    const std::lock_guard<std::mutex> lock(idle.mutex);
+    const bool hasOne =
+        std::any_of(idle.handles.begin(), idle.handles.end(), [this](const auto& candidate) {
+            return candidate->device == _handles->device;
+        });
+    if (!hasOne) {
+        idle.handles.push_back(std::move(_handles));
+    }
+    return !hasOne;
+}
+
 Device::~Device() {
     if (_handles->queue != nullptr) {
-        clFinish(_handles->queue); // what an error has left behind still runs
+        // What an error has left behind still runs.
+        const bool isWell = clFinish(_handles->queue) == CL_SUCCESS;
+        if (_handles->programs && isWell && LeaveHandles()) {
+            return;
+        }
+        _handles->programs.reset();
         clReleaseCommandQueue(_handles->queue);
     }
     if (_handles->context != nullptr) {
@@ -222,6 +271,10 @@ std::shared_ptr<Device> Device::Create(const std::string& name) {
     return Open(ChooseDevice(FindDevices(), name));
 }
 
+std::shared_ptr<Device> Device::Reuse(const std::string& name) {
+    return Open(ChooseDevice(FindDevices(), name), true);
+}
+
 std::shared_ptr<Device> Device::Create(const DeviceProperties& properties) {
     const auto texts = [](const DeviceProperties& p) {
         return std::tie(p.platform, p.name, p.version, p.driverVersion);
@@ -238,9 +291,17 @@ void Device::SetCompilers(std::unique_ptr<KernelCompilers> compilers) {
     _compilers = std::move(compilers);
 }
 
-std::shared_ptr<Device> Device::Open(const FoundDevice& chosen) {
+std::shared_ptr<Device> Device::Open(const FoundDevice& chosen, bool mayReuse) {
     std::shared_ptr<Device> device(new Device);
     device->_properties = chosen.properties;
+    const bool keepsPrograms = mayReuse && chosen.properties.platform == kPoclPlatform;
+    if (keepsPrograms) {
+        if (std::unique_ptr<Handles> idle = IdleHandles::Instance().Take(chosen.device)) {
+            device->_handles = std::move(idle);
+            return device;
+        }
+        device->_handles->programs = std::make_unique<KeptPrograms>();
+    }
     Handles& handles = *device->_handles;
     handles.platform = chosen.platform;
     handles.device = chosen.device;

@@ -50,6 +50,10 @@ public:
     static std::shared_ptr<Device> Create(const std::string& name);
     /// \overload the first device whose texts are those of `properties`.
     static std::shared_ptr<Device> Create(const DeviceProperties& properties);
+    /// As Create by name; where a device that was had in this way has come to its end, its context
+    /// and queue go on, with the programs it has built. Of PoCL alone, where to load a program
+    /// takes longer than a small render, and no error of one user is left to the next. Thread-safe.
+    static std::shared_ptr<Device> Reuse(const std::string& name);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -79,7 +83,9 @@ private:
     friend class BufferView;
     friend class Kernel;
     Device();
-    static std::shared_ptr<Device> Open(const struct FoundDevice& chosen);
+    static std::shared_ptr<Device> Open(const struct FoundDevice& chosen, bool mayReuse = false);
+    /// The handles wait for the next user. \return whether they do.
+    bool LeaveHandles();
     void CountAllocation(std::int64_t bytes);
 
     DeviceProperties _properties;

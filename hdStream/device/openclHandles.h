@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/device/device.h"
+#include "hdStream/device/keptPrograms.h"
 
 // Drivers of 1.2 will do: what came later is called where the device says that it has it.
 #define CL_TARGET_OPENCL_VERSION 200
@@ -16,6 +17,7 @@ struct Device::Handles {
     cl_device_id device = nullptr;
     cl_context context = nullptr;
     cl_command_queue queue = nullptr;
+    std::unique_ptr<KeptPrograms> programs; ///< null: it keeps none
 };
 
 /// The name of an OpenCL error code.

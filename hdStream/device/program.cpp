@@ -31,9 +31,9 @@ std::string BuildLog(cl_program program, cl_device_id device) {
 } // namespace
 
 Program::Program(std::shared_ptr<Device> device, const ProgramSource& source, Store* store)
-    : _device(std::move(device)), _root(source.root) {
+    : _device(std::move(device)), _root(source.root), _key(source.key) {
     const auto start = std::chrono::steady_clock::now();
-    _isFromCache = BuildFromStore(source, store);
+    _isFromCache = TakeKept(source, store) || BuildFromStore(source, store);
     if (!_isFromCache && !BuildFromCompilers(source, store)) {
         BuildFromSource(source);
         _unsavedKey = source.key;
@@ -67,9 +67,25 @@ void Program::Announce(const Device& device, const std::vector<ProgramSource>& s
 }
 
 Program::~Program() {
-    if (_program != nullptr) {
+    if (_program == nullptr) {
+        return;
+    }
+    if (KeptPrograms* kept = _device->GetHandles().programs.get()) {
+        kept->Keep(std::move(_key), _program);
+    } else {
         clReleaseProgram(AsProgram(_program));
     }
+}
+
+/// What a store lacks and wants is built as if nothing were kept: it is compiled by other
+/// processes, and saved.
+bool Program::TakeKept(const ProgramSource& source, const Store* store) {
+    KeptPrograms* kept = _device->GetHandles().programs.get();
+    if (kept == nullptr || (store != nullptr && store->IsWriting() && !IsInStore(source, *store))) {
+        return false;
+    }
+    _program = kept->Take(source.key);
+    return _program != nullptr;
 }
 
 bool Program::BuildFromStore(const ProgramSource& source, Store* store) {

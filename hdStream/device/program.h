@@ -73,9 +73,10 @@ private:
 /// A built program. Externally synchronised.
 class Program {
 public:
-    /// Takes the binary from the store, else from the device's KernelCompilers, else builds from
-    /// the source. A binary that the device rejects is built again from source.
-    /// \throws Error with the build log on failure.
+    /// Takes what the device keeps, where the store has no use for a binary; else the binary from
+    /// the store, else from the device's KernelCompilers, else builds from the source. A binary
+    /// that the device rejects is built again from source. \throws Error with the build log on
+    /// failure.
     Program(std::shared_ptr<Device> device, const ProgramSource& source, Store* store = nullptr);
     /// \overload of a root of kernels/ or, for tests, of `text`.
     Program(const std::shared_ptr<Device>& device, const std::string& root,
@@ -113,6 +114,7 @@ public:
     double BuildSeconds() const { return _buildSeconds; }
 
 private:
+    bool TakeKept(const ProgramSource& source, const Store* store);
     bool BuildFromStore(const ProgramSource& source, Store* store);
     bool BuildFromCompilers(const ProgramSource& source, const Store* store);
     bool BuildFromBinary(const ProgramSource& source, const unsigned char* data, std::size_t bytes);
@@ -120,6 +122,7 @@ private:
 
     std::shared_ptr<Device> _device;
     std::string _root;
+    std::string _key;
     void* _program = nullptr;
     std::string _unsavedKey; ///< empty: nothing is to be saved
     bool _isFromCache = false;

@@ -52,7 +52,7 @@ void Session::Impl::ReadyDevice(const Settings& settings) {
     if (!device || deviceName != settings.device) {
         Discard();
         device.reset(); // frees its memory first
-        device = Device::Create(settings.device);
+        device = Device::Reuse(settings.device);
         deviceName = settings.device;
     }
     ReadyStore(settings);
