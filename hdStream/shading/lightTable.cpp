@@ -331,7 +331,12 @@ void LightTableBuilder::AddLight(const PlacedLight& authored) {
         (description.type == LightType::Distant && !(DistantHalfAngle(description) > 0.0));
     light.flags |= isPoint ? HDS_LIGHT_POINT : 0U;
     light.flags |= GroupOf(placed) << HDS_LIGHT_GROUP_SHIFT;
-    if (!PlaceLight(description, placed.worldFromLight, &light)) {
+    // One that has no extent at the frame is as it is when it has some.
+    bool isPlaced = PlaceLight(description, placed.worldFromLight, &light);
+    for (auto cell = placed.cells.begin(); !isPlaced && cell != placed.cells.end(); ++cell) {
+        isPlaced = PlaceLight(description, cell->worldFromLight, &light);
+    }
+    if (!isPlaced) {
         _warnings.Add(placed.name, "light has a singular transform or no size; left out");
         return;
     }

@@ -7,11 +7,12 @@ end's samples, the device's keys and their interpolation take no part in them.
 
 import numpy as np
 import pytest
+from pxr import UsdGeom
 
 pytest.importorskip("hdstream._core")
 
 import hdstream
-from stages import motion
+from stages import author, motion
 
 WIDTH, HEIGHT, BLOCK = 48, 36, 6
 GROUPS, STILLS_OF_GROUP, STILL_SAMPLES = 8, 32, 4
@@ -65,3 +66,18 @@ def test_blur_is_the_average_of_256_stills(name, tmp_path):
     still = _Blocks(renderer.Render(motion.FRAME, **SETTINGS, samples=512, motionBlur="off").aovs["color"])
     distance = np.abs(_Scores(blurred, np.repeat(still[None], 2, 0)))
     assert (distance > 8).mean() > 0.05, "the test would show little"
+
+
+def test_a_light_that_is_dark_for_half_of_the_shutter_is_there_for_the_other_half(tmp_path):
+    stage = author.NewStage(tmp_path / "a.usda")
+    panel = author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0, 0, -1)), width=20.0, height=20.0)
+    UsdGeom.Xformable(panel).AddRotateYOp().Set(180.0)  # its front is seen
+    for time, intensity in ((0.5, -2.0), (1.5, 2.0)):  # what is below 0 is dark
+        panel.GetIntensityAttr().Set(intensity, time)
+    camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
+    camera.CreateShutterOpenAttr(-0.5)
+    camera.CreateShutterCloseAttr(0.5)
+    stage.GetRootLayer().Save()
+    renderer = hdstream.Renderer(str(tmp_path / "a.usda"), onWarning=lambda line: None)
+    picture = renderer.Render(1.0, **SETTINGS, samples=64, seed=1).aovs["color"].astype(np.float64).mean((0, 1))
+    assert picture == pytest.approx([0.5, 0.5, 0.5, 0.5], abs=0.005)  # 1e5 samples: 0.0018 and 0.0011

@@ -317,3 +317,14 @@ def test_lights_that_change_have_what_the_stage_has_at_nine_times(scale):
             assert getattr(sample, name) == pytest.approx(getattr(expected, name)), name
     assert lights["/Rig/Still"].samples == []
     assert SceneAt(stage, 1.0).lights["/Rig/L"].samples == [], "the shutter is closed"
+
+
+def test_inputs_of_other_types_that_change_keep_the_lights_own_values():
+    stage = StageOf("""
+        def SphereLight "L"
+        {
+            token inputs:radius.timeSamples = { 0: "wide", 2: "wider" }
+        }
+        """)
+    light = SceneAt(stage, 1.0, SHUTTER).lights["/L"]
+    assert [sample.radius for sample in light.samples] == [light.light.radius] * 9

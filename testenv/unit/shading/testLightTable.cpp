@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -473,6 +474,51 @@ TEST(LightTableTest, ImagesOfRectsAndDomes) {
     const LightTable untextured = Build({dome}, missing);
     EXPECT_FALSE(untextured.lights[0].flags & HDS_LIGHT_TEXTURED);
     EXPECT_EQ(missing.Lines().size(), 1U);
+}
+
+TEST(LightTableTest, LightsThatChangeHaveARecordForEachPartOfTheInterval) {
+    PlacedLight disk = Make(LightType::Disk);
+    disk.light.radius = 2.0F;
+    disk.light.normalize = true;
+    const glm::dmat4 flat(0.0); // it has no extent at the frame
+    const glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), 0.5, glm::dvec3(1.0, 0.0, 0.0));
+    for (const auto& [radius, intensity, where] :
+         {std::tuple(1.0F, 0.0F, glm::dmat4(1.0)), std::tuple(1.0F, 3.0F, glm::dmat4(1.0)),
+          std::tuple(2.0F, 5.0F, glm::translate(turned, glm::dvec3(0.0, 0.0, 1.0))),
+          std::tuple(2.0F, 5.0F, flat)}) {
+        LightCell cell{disk.light, where};
+        cell.light.radius = radius;
+        cell.light.intensity = intensity;
+        disk.cells.push_back(cell);
+    }
+    disk.light.intensity = 5.0F;
+    disk.worldFromLight = flat;
+    Warnings warnings;
+    const LightTable table = Build({disk}, warnings);
+    ASSERT_EQ(table.lights.size(), 1U);
+    EXPECT_TRUE(table.hasMotion && table.hasControls);
+    const shared::HdsLight& light = table.lights[0];
+    shared::HdsLightControls controls;
+    std::memcpy(&controls, &table.cdf[light.controlBase], sizeof(controls));
+    ASSERT_EQ(controls.numCells, 4U);
+    std::vector<shared::HdsLight> records(4);
+    std::memcpy(records.data(), &table.cdf[controls.cellBase], 4 * sizeof(records[0]));
+    const double pi = std::acos(-1.0);
+    // A quarter of the intensity where that is normalized, whatever the size.
+    const double strengths[] = {0.0, 0.75, 1.25, 0.0};
+    const double radiances[] = {0.0, 3.0 / pi, 5.0 / (4.0 * pi), 0.0};
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(records[i].strength, strengths[i], 1e-6) << i;
+        EXPECT_NEAR(records[i].radiance[0], radiances[i], 1e-6) << i;
+        const auto at = [](const shared::HdsLight& one) {
+            return glm::dvec3(one.center[0], one.center[1], one.center[2]);
+        };
+        EXPECT_LE(glm::distance(at(records[i]), at(light)) + records[i].boundRadius,
+                  light.boundRadius * 1.00001)
+            << i;
+    }
+    EXPECT_NEAR(records[2].params[0], 2.0F, 1e-6);
+    EXPECT_NEAR(light.strength, 0.5, 1e-6) << "the mean";
 }
 
 } // namespace

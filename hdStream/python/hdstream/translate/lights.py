@@ -87,8 +87,11 @@ def ReadLightSamples(prim, light, motion):
             setattr(sample, name, getattr(light, name))
         for name, attribute in varying.items():
             value = attribute.Get(motion.At(time))
-            if value is not None:
-                setattr(sample, name, type(getattr(sample, name))(value))
+            try:
+                if value is not None:
+                    setattr(sample, name, type(getattr(sample, name))(value))
+            except (TypeError, ValueError):
+                pass  # which ReadLight has told
         samples.append(sample)
     return samples
 
