@@ -163,6 +163,10 @@ std::vector<Sample> RowsOf(const HdStreamMovingValue& value, std::uint32_t numCo
     return samples;
 }
 
+bool IsFinite(const GfVec3f& at) {
+    return std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]);
+}
+
 } // namespace
 
 std::vector<hds::TransformSample>
@@ -208,7 +212,8 @@ HdStreamMovingValue HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPa
 
 // The arithmetic of both is UsdGeom's, so that both front ends give the same bits.
 HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
-                                             const VtValue& points, const hds::Shutter& shutter) {
+                                             const VtValue& points, const hds::Shutter& shutter,
+                                             bool* isFinite) {
     const VtValue velocities = delegate->Get(id, HdTokens->velocities);
     if (!shutter.IsOpen() || !points.IsHolding<VtVec3fArray>() ||
         !velocities.IsHolding<VtVec3fArray>()) {
@@ -231,10 +236,11 @@ HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const Sd
                 velocity += seconds * changes[i] * 0.5;
             }
             const GfVec3f at = moved[i] + seconds * velocity;
-            const bool isFinite =
-                std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]);
-            moved[i] = isFinite ? at : moved[i]; // else it stands still
-            value.isFinite = value.isFinite && isFinite;
+            if (isFinite == nullptr || IsFinite(at)) {
+                moved[i] = at;
+            } else {
+                *isFinite = false;
+            }
         }
         const std::size_t last = value.samples.count;
         value.samples.Resize(static_cast<unsigned int>(last + 1));
@@ -288,9 +294,9 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
         points = HdStreamSamplePrimvar(delegate, id, name, interval);
         *fit = points.fits;
         if (!points.Moves()) {
-            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), interval);
+            points =
+                HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), interval, isFinite);
             *fit = *fit || points.Moves();
-            *isFinite = points.isFinite;
         }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;

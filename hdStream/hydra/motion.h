@@ -27,8 +27,7 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
 struct HdStreamMovingValue {
     std::vector<double> times; ///< empty: it does not change
     HdTimeSampleArray<VtValue, 4> samples;
-    bool fits = true;     ///< false: arrays of different lengths
-    bool isFinite = true; ///< false: what velocities take nowhere finite stands still
+    bool fits = true; ///< false: arrays of different lengths
 
     bool Moves() const { return !times.empty(); }
     VtValue At(double time) const { return samples.Resample(static_cast<float>(time)); }
@@ -38,9 +37,11 @@ HdStreamMovingValue HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPa
                                           const TfToken& name, const hds::Shutter& shutter);
 
 /// Points by their velocities and accelerations at the frame. OpenUSD's scene index does so for
-/// points of several samples only.
+/// points of several samples only. \param[out] isFinite where it is asked for, what velocities take
+/// nowhere finite stands still; false: there is such.
 HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
-                                             const VtValue& points, const hds::Shutter& shutter);
+                                             const VtValue& points, const hds::Shutter& shutter,
+                                             bool* isFinite = nullptr);
 
 /// How far instances turn by their angular velocities, from the frame on.
 struct HdStreamTurn {
