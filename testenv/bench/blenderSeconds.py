@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seconds inside Blender from pressing render to an error, Stream beside Cycles: blenderSeconds.py SCENES [--stages NAME ...]
-[--cold N].
+"""Seconds inside Blender from pressing render to an error, Stream beside Cycles: blenderSeconds.py SCENES [--stages NAME ...].
 
 Imports real stages of the folder SCENES as Blender does, with its own materials, lights and camera, and renders each by both in
 turns, 1, 2, 4, ... samples. Every render is a new one, nothing is kept but kernels on disk: what counts is all that passes
@@ -8,16 +7,12 @@ until the operator returns, export, sync, preparation and the file included. The
 against two halves by the same renderer, so that what Blender hands over differently is not counted as noise. Settings are
 those of an honest comparison (rivalsCycles.Configure): no denoiser, no adaptive sampling, no clamping, the box filter.
 
---cold N: then each renders the samples that it needs N times more in turns, each time as the first render of a new process that
-has neither kernels nor anything else on disk.
-
 Runs in a Python that can import bpy, for whose OpenUSD the plug-in of the build was made ($HDSTREAM_TEST_BUILD).
 """
 
 import argparse
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 import time
@@ -35,7 +30,6 @@ import rivalsStages  # noqa: E402
 from blenderProcess import RunAndExit  # noqa: E402
 
 _MAX_DEPTH = 8
-_ONLY = "seconds of the only render: "
 _MOST_SECONDS = 90.0  # a ladder ends below a rung that would take longer
 
 
@@ -142,36 +136,6 @@ def Report(stage: str, found: dict, goal: float) -> list:
     return lines
 
 
-def ColdSeconds(args, stage: str, name: str, samples: int, seed: int) -> float:
-    """Of the first render of a new process with empty caches."""
-    with tempfile.TemporaryDirectory() as temporary:
-        caches = {variable: str(pathlib.Path(temporary) / variable) for variable in ("HDSTREAM_CACHE_DIR", "POCL_CACHE_DIR")}
-        for folder in caches.values():
-            os.mkdir(folder)
-        words = [sys.executable, __file__, args.scenes, "--stages", stage, "--width", str(args.width),
-                 "--only", name, str(samples), str(seed)]
-        result = subprocess.run(words, env={**os.environ, **caches}, stdout=subprocess.PIPE, text=True, check=False)
-    lines = [line for line in result.stdout.splitlines() if line.startswith(_ONLY)]
-    if result.returncode or len(lines) != 1:
-        raise SystemExit(f"{stage}: the cold render of {name} ended with {result.returncode}")
-    return float(lines[0].removeprefix(_ONLY))
-
-
-def ReportCold(args, stage: str, found: dict) -> list:
-    """Lines of the cold renders of one stage."""
-    samples = {name: ladder.SamplesTo(args.goal) for name, (ladder, _, _) in found.items()}
-    if None in samples.values():
-        return [f"{stage:10s} cold: the error was not reached"]
-    seconds = {name: [] for name in samples}
-    for repeat in range(args.cold):
-        for name, count in samples.items():
-            seconds[name].append(ColdSeconds(args, stage, name, max(1, round(count)), 1 + repeat))
-    ratio = rivalsLadder.Ratio(seconds["Stream"], seconds["Cycles"])
-    text = ", ".join(f"{name} {np.median(values):.2f} s ({min(values):.2f} to {max(values):.2f})"
-                     for name, values in seconds.items())
-    return [f"{stage:10s} cold: {text}; Stream / Cycles: {ratio[0]:.2f} ({ratio[1]:.2f} to {ratio[2]:.2f})"]
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("scenes")
@@ -180,17 +144,10 @@ def main():
     parser.add_argument("--goal", type=float, default=0.01, help="relMSE")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--referenceSamples", type=int, default=512)
-    parser.add_argument("--cold", type=int, default=0, metavar="N", help="renders with empty caches")
-    parser.add_argument("--only", nargs=3, metavar=("NAME", "SAMPLES", "SEED"), help="one render, whose seconds are printed")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         engines = {"Stream": blenderRows.MakeEngine(folder), "Cycles": "CYCLES"}
-        if args.only:
-            scene = Import(args.stages[0], args.scenes, args.width)
-            _, seconds = Render(scene, engines[args.only[0]], int(args.only[1]), int(args.only[2]), folder)
-            print(f"{_ONLY}{seconds}", flush=True)
-            return
         watch = _Watch()
         print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, Blender {bpy.app.version_string}, "
               f"{args.width} pixels wide", flush=True)
@@ -198,8 +155,6 @@ def main():
             scene = Import(name, args.scenes, args.width)
             found = Climb(scene, engines, args.goal, args.repeats, args.referenceSamples, folder, watch)
             print("\n".join(Report(name, found, args.goal)), flush=True)
-            if args.cold:
-                print("\n".join(ReportCold(args, name, found)), flush=True)
 
 
 if __name__ == "__main__":

@@ -39,8 +39,7 @@ MakeSystem() {
 # In COMMAND...: runs it there, at home in /srv.
 In() {
     env -i HOME=/srv LANG=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin CI=true \
-        ${PIP_DEFAULT_TIMEOUT:+PIP_DEFAULT_TIMEOUT=$PIP_DEFAULT_TIMEOUT} \
-        ${CCACHE_BASEDIR:+CCACHE_BASEDIR=$CCACHE_BASEDIR} chroot "$folder" "$@"
+        ${PIP_DEFAULT_TIMEOUT:+PIP_DEFAULT_TIMEOUT=$PIP_DEFAULT_TIMEOUT} chroot "$folder" "$@"
 }
 
 Timed() {
