@@ -50,7 +50,7 @@ TEST_F(TextureImagesTest, HeadersBoundTheLines) {
         const auto lines = Lines({texture});
         const std::uint64_t bound = lines->MaxLines();
         ASSERT_NE(bound, LineProvider::kUnknown) << texture.file.file;
-        lines->Open({0}, false);
+        EXPECT_TRUE(lines->Open({0}, false, {}));
         EXPECT_LE(lines->Record(0).numLines, bound) << texture.file.file;
         EXPECT_EQ(lines->MaxLines(), lines->Record(0).numLines) << "known now";
         EXPECT_EQ(lines->TotalLines(), lines->Record(0).numLines);
@@ -61,7 +61,7 @@ TEST_F(TextureImagesTest, LinesAreThoseOfThePreparedTexture) {
     const std::string path = WriteImage("a.png", 90, 70, 3, OIIO::TypeUInt8);
     const auto lines =
         Lines({Texture(WriteImage("b.png", 8, 8, 1, OIIO::TypeUInt8)), Texture(path)});
-    lines->Open({1}, false);
+    EXPECT_TRUE(lines->Open({1}, false, {}));
     const auto prepared = Prepare(path, "auto");
     const std::vector<TextureLine> expected = AllLines(*prepared);
     ASSERT_EQ(lines->Record(1).numLines, expected.size());
@@ -102,8 +102,8 @@ TEST_F(TextureImagesTest, NothingIsOpenedUnasked) {
     const auto lines = Lines(textures);
     EXPECT_GE(lines->MaxLines(), 1U);
     EXPECT_TRUE(warnings.Lines().empty());
-    lines->Open({0}, false);
-    lines->Open({0}, false);
+    EXPECT_TRUE(lines->Open({0}, false, {}));
+    EXPECT_TRUE(lines->Open({0}, false, {}));
     EXPECT_NE(lines->Record(0).flags & HDS_TEXTURE_MISSING, 0U);
     EXPECT_EQ(warnings.Lines().size(), 1U);
 }
