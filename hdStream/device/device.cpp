@@ -245,11 +245,15 @@ bool Device::LeaveHandles() {
     return !hasOne;
 }
 
+void Device::LeaveNothing() {
+    _leavesHandles = false;
+}
+
 Device::~Device() {
     if (_handles->queue != nullptr) {
         // What an error has left behind still runs.
         const bool isWell = clFinish(_handles->queue) == CL_SUCCESS;
-        if (_handles->programs && isWell && LeaveHandles()) {
+        if (_handles->programs && _leavesHandles && isWell && LeaveHandles()) {
             return;
         }
         _handles->programs.reset();

@@ -52,8 +52,10 @@ public:
     static std::shared_ptr<Device> Create(const DeviceProperties& properties);
     /// As Create by name; where a device that was had in this way has come to its end, its context
     /// and queue go on, with the programs it has built. Of PoCL alone, where to load a program
-    /// takes longer than a small render, and no error of one user is left to the next. Thread-safe.
+    /// takes longer than a small render. Thread-safe.
     static std::shared_ptr<Device> Reuse(const std::string& name);
+    /// Of a device that has met an error: it leaves nothing to the next user.
+    void LeaveNothing();
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -90,6 +92,7 @@ private:
 
     DeviceProperties _properties;
     std::unique_ptr<Handles> _handles;
+    bool _leavesHandles = true; ///< where it keeps programs
     bool _isIdle = true;
     std::unique_ptr<KernelCompilers> _compilers;
     std::uint64_t _allocatedBytes = 0;

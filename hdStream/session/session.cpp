@@ -139,8 +139,7 @@ void Session::Warm(const Settings& settings) {
     try {
         _impl->Warm(settings);
     } catch (const std::exception&) { // of memory and files too; Render meets it again
-        _impl->Discard();
-        _impl->device.reset();
+        _impl->LoseDevice();
     }
 }
 
@@ -192,10 +191,8 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
         }
         return result;
     } catch (...) {
-        // What is in device memory is not known, and contexts that ran out of it may be of no use.
         impl.hasFilm = false;
-        impl.Discard();
-        impl.device.reset();
+        impl.LoseDevice();
         throw;
     }
 }

@@ -121,6 +121,14 @@ void Session::Impl::Discard() {
     committed.reset();
 }
 
+void Session::Impl::LoseDevice() {
+    Discard();
+    if (device) {
+        device->LeaveNothing();
+    }
+    device.reset();
+}
+
 void Session::Impl::ShareHostMemory(const Settings& settings) {
     statistics.sceneBytes = sizes.DescribedBytes() + cache.geometry.Bytes();
     const HostShares shares =

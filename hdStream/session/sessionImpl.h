@@ -49,6 +49,10 @@ struct Session::Impl {
     /// Everything in device memory.
     void Discard();
 
+    /// After an error: what is in device memory is not known, and contexts that ran out of it may
+    /// be of no use to this session or the next.
+    void LoseDevice();
+
     /// Bounds what is kept besides the scene as it is now.
     void ShareHostMemory(const Settings& settings);
 

@@ -3,6 +3,7 @@
 // once share nothing, and a store gets what it lacks as if nothing were kept.
 #include "hdStream/device/openclHandles.h"
 #include "testenv/support/deviceFixture.h"
+#include "testenv/support/sessionScene.h"
 
 #include <unistd.h>
 
@@ -26,6 +27,15 @@ protected:
     }
 
     std::shared_ptr<Device> Reuse() const { return Device::Reuse(device->Properties().name); }
+
+    static bool Renders(Session* session, const Settings& settings) {
+        try {
+            session->Render(settings);
+        } catch (const Error&) {
+            return false;
+        }
+        return true;
+    }
 
     /// Whether the program was there; it computes what it says.
     static bool IsThere(const std::shared_ptr<Device>& user, int items, Store* store = nullptr) {
@@ -62,6 +72,23 @@ TEST_F(DeviceReuse, TheNextUserFindsProgramsButNoCounts) {
     EXPECT_TRUE(next->IsIdle());
     EXPECT_TRUE(IsThere(next, 2));
     EXPECT_FALSE(IsThere(next, 3)) << "other options are another program";
+}
+
+TEST_F(DeviceReuse, ASessionThatHasMetAnErrorLeavesNothing) {
+    Settings settings = MakeSettings();
+    settings.device = device->Properties().name;
+    for (const bool fails : {false, true}) {
+        const int items = fails ? 9 : 8;
+        EXPECT_FALSE(IsThere(Reuse(), items)) << "the session has its context next";
+        {
+            Session session;
+            FillSession(&session);
+            FailAllocation(fails ? 3 : -1);
+            EXPECT_EQ(Renders(&session, settings), !fails);
+            FailAllocation(-1);
+        }
+        EXPECT_EQ(IsThere(Reuse(), items), !fails);
+    }
 }
 
 TEST_F(DeviceReuse, TwoAtOnceShareNothing) {
