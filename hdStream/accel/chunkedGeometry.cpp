@@ -218,27 +218,14 @@ std::shared_ptr<const ChunkedGeometry::Cut> ChunkedGeometry::Hold() const {
     if (!cut) {
         cut = MakeCut();
         _cut = cut;
-    }
-    if (!_keeper || _numMaking > 0) {
-        _kept = cut;
+        if (!_keeper) {
+            _kept = cut;
+        }
     }
     if (_keeper) {
         _keeper->Use(this, cut, BytesOf(*cut));
     }
     return cut;
-}
-
-void ChunkedGeometry::BeginMaking() const {
-    const std::lock_guard<std::mutex> lock(_mutex);
-    ++_numMaking;
-}
-
-void ChunkedGeometry::EndMaking() const {
-    std::shared_ptr<const Cut> dropped; // destroyed without the lock
-    const std::lock_guard<std::mutex> lock(_mutex);
-    if (--_numMaking == 0 && _keeper) {
-        dropped.swap(_kept);
-    }
 }
 
 std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) const {

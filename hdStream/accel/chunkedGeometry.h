@@ -64,8 +64,6 @@ public:
 
     std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
     ChunkBytes Make(std::uint32_t chunk) const override;
-    void BeginMaking() const override;
-    void EndMaking() const override;
     PageStore* Store() const override { return _store.get(); }
     std::optional<PageKey> Key(std::uint32_t chunk, std::uint32_t page) const override {
         return PartKey(2 * std::uint64_t{chunk} + page);
@@ -91,8 +89,7 @@ private:
     std::uint64_t _arrayBytes;
     mutable std::mutex _mutex;
     mutable std::weak_ptr<const Cut> _cut;
-    mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper, or chunks are made
-    mutable std::uint32_t _numMaking = 0;     ///< who makes chunks now (BeginMaking)
+    mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper
 };
 
 } // namespace hds

@@ -168,13 +168,6 @@ void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instan
     std::memcpy(&instance->objectFromParent[HDS_MOTION_SEGMENTS], &segments, sizeof(segments));
 }
 
-/// Of an instance of a run at rest.
-glm::dmat4 RestingTransformOf(const InstanceRun& run, std::int32_t instance) {
-    return run.groupFromInstancer.AtFrame() *
-           run.instancer->instanceTransforms.At(static_cast<std::size_t>(instance)) *
-           run.prototypeFromObject.AtFrame();
-}
-
 } // namespace
 
 glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf) {
@@ -216,9 +209,6 @@ MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t i
 }
 
 MovingTransform GroupRecords::TransformOf(const InstanceRun& run, std::int32_t instance) const {
-    if (!MayMove(run)) {
-        return RestingTransformOf(run, instance);
-    }
     return run.groupFromInstancer * InstanceTransform(*run.instancer, instance, _shutter) *
            run.prototypeFromObject;
 }

@@ -237,53 +237,13 @@ void StreamingPool::ProcessRound(bool withGroups, const IsCancelled& isCancelled
                                 (after.transferSeconds - before.transferSeconds));
 }
 
-/// The bytes of what is asked for, as far as they are known.
-std::uint64_t StreamingPool::RequestBytes(const PageRequest& request) const {
-    if (!request.isGroup) {
-        return _pageBytes[request.page];
-    }
-    const std::uint32_t first = FirstOfGroup(request.page);
-    std::uint64_t bytes = 0;
-    for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
-        bytes += _pageBytes[page];
-    }
-    return bytes;
-}
-
-/// Puts requests from `begin` on that find room together into the order of pages, but the first of
-/// all: what they are made of and read from lies together. \param least those of fewer rays stay
-/// where they are. \return where those end that were looked at; `begin` when the first is too
-/// large.
-std::size_t StreamingPool::SortFitting(std::vector<PageRequest>* requests, std::size_t begin,
-                                       std::uint32_t least) const {
-    std::uint64_t bytes = 0;
-    std::size_t end = begin;
-    while (end < requests->size() && (*requests)[end].count >= least) {
-        bytes += RequestBytes((*requests)[end]);
-        if (bytes > _bytes - _placedBytes) {
-            break;
-        }
-        ++end;
-    }
-    const std::size_t first = std::min(end, std::max<std::size_t>(begin, 1));
-    std::sort(requests->begin() + static_cast<std::ptrdiff_t>(first),
-              requests->begin() + static_cast<std::ptrdiff_t>(end),
-              [](const PageRequest& a, const PageRequest& b) { return a.page < b.page; });
-    return end;
-}
-
 /// Places requests, the first ones first, until there is no more room; those that can fit are
 /// prepared together. \param withGroups pages that hardly any ask for make none leave.
-void StreamingPool::PlaceInBatches(std::vector<PageRequest> requests, bool withGroups,
+void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups,
                                    const IsCancelled& isCancelled) {
-    const std::uint32_t least = requests.empty() ? 0 : requests[0].count / kLeastWantedShare;
     std::size_t next = 0;
-    std::size_t sorted = 0; // the end of those that are in the order of pages
     bool isOver = false;
     while (next < requests.size() && !isOver) {
-        if (withGroups && next >= sorted) {
-            sorted = SortFitting(&requests, next, least);
-        }
         LoadQueued(); // what is prepared next may take the place of what is prepared now
         if (_placedBytes > 0 && isCancelled && isCancelled()) {
             return;
@@ -297,12 +257,12 @@ void StreamingPool::PlaceInBatches(std::vector<PageRequest> requests, bool withG
             const std::uint32_t begin = request.isGroup ? FirstOfGroup(request.page) : request.page;
             for (std::uint32_t i = 0; i < (request.isGroup ? kGroupPages : 1); ++i) {
                 batch.push_back(begin + i);
+                bytes += _pageBytes[begin + i];
             }
-            bytes += RequestBytes(request);
         }
         Prepare(batch);
         for (std::size_t i = first; i < next && !isOver; ++i) {
-            const bool isHardlyWanted = requests[i].count < least;
+            const bool isHardlyWanted = requests[i].count < requests[0].count / kLeastWantedShare;
             isOver = (withGroups && _order->IsSelective() && _hasEvicted && isHardlyWanted) ||
                      !PlaceRequest(requests[i]);
         }

@@ -106,10 +106,7 @@ private:
     void ReadUses();
     void PublishUses();
     void Prepare(const std::vector<std::uint32_t>& pages);
-    std::uint64_t RequestBytes(const PageRequest& request) const;
-    std::size_t SortFitting(std::vector<PageRequest>* requests, std::size_t begin,
-                            std::uint32_t least) const;
-    void PlaceInBatches(std::vector<PageRequest> requests, bool withGroups,
+    void PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups,
                         const IsCancelled& isCancelled);
     bool PlaceRequest(const PageRequest& request);
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);

@@ -292,29 +292,6 @@ TEST_F(StreamingPoolTest, WhoCancelsWaitsForAFewPagesOnly) {
     EXPECT_EQ(pool.Statistics().evictions, 0U);
 }
 
-// What pages are made of and read from lies together: those that find room are prepared in their
-// order, but for the one that most want, and those that hardly any want come last.
-TEST_F(StreamingPoolTest, WhatFitsIsPreparedInTheOrderOfPages) {
-    const std::vector<std::uint64_t> ids = EqualIds(10);
-    class ListedPages final : public FakePages {
-    public:
-        using FakePages::FakePages;
-        void Prepare(const Pages& asked) override {
-            FakePages::Prepare(asked);
-            prepared.insert(prepared.end(), asked.begin(), asked.end());
-        }
-        Pages prepared;
-    } pages(ids);
-    StreamingPool pool(device, "fake");
-    pool.Update(&pages, 8 * 160);
-    Pages asked(64, 6);
-    asked.insert(asked.end(), {9, 9, 9, 9, 9, 9, 2, 2, 2, 2, 7, 7, 7, 7, 7, 1, 4, 4, 4, 4});
-    Ask(pool, asked);
-    pool.ProcessRequests();
-    EXPECT_EQ(pages.prepared, (Pages{6, 2, 4, 7, 9, 1}));
-    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 2, 4, 6, 7, 9}));
-}
-
 TEST_F(StreamingPoolTest, NoPagesIsValid) {
     FakePages pages(Range(0, 0));
     StreamingPool pool(device, "fake");
