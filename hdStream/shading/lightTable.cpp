@@ -231,24 +231,26 @@ void LightTableBuilder::WarnIgnored(const PlacedLight& placed) {
     }
 }
 
-/// Emission after `normalize`; for delta lights the intensity (sphere) or irradiance (distant).
-/// False: negative or not finite (with a warning), or black.
-bool LightTableBuilder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
-                                 glm::dvec3* radiance) {
-    const LightDescription& description = placed.light;
-    const glm::dvec3 emission = LightEmission(description);
-    *radiance = glm::max(emission, glm::dvec3(0.0));
+glm::dvec3 RadianceOf(const LightDescription& description, const shared::HdsLight& light) {
+    const glm::dvec3 emission = glm::max(LightEmission(description), glm::dvec3(0.0));
     if (description.type == LightType::Distant) {
         const double irradiance = DistantIrradiance(DistantHalfAngle(description));
-        *radiance /= description.normalize ? irradiance : 1.0;
-    } else if (description.type == LightType::Sphere && (light.flags & HDS_LIGHT_POINT) != 0) {
-        /* A sphere's intensity is its radiance times its projected area, a quarter of its area. */
-        *radiance *= description.normalize ? 0.25 : 0.25 * light.area;
-    } else if (description.type != LightType::Dome && description.normalize) {
-        *radiance /= double(light.area);
+        return description.normalize ? emission / irradiance : emission;
     }
+    if (description.type == LightType::Sphere && (light.flags & HDS_LIGHT_POINT) != 0) {
+        /* A sphere's intensity is its radiance times its projected area, a quarter of its area. */
+        return emission * (description.normalize ? 0.25 : 0.25 * light.area);
+    }
+    const bool isNormalized = description.type != LightType::Dome && description.normalize;
+    return isNormalized ? emission / double(light.area) : emission;
+}
+
+/// RadianceOf. False: negative or not finite (with a warning), or black.
+bool LightTableBuilder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
+                                 glm::dvec3* radiance) {
+    *radiance = RadianceOf(placed.light, light);
     if (!IsUsableRadiance(*radiance) ||
-        (Luminance(*radiance) <= 0.0 && Luminance(emission) < 0.0)) {
+        (Luminance(*radiance) <= 0.0 && Luminance(LightEmission(placed.light)) < 0.0)) {
         _warnings.Add(placed.name, "light's emission is not between 0 and 1e30; left out");
         return false;
     }

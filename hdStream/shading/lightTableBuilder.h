@@ -19,6 +19,10 @@ shared::HdsLight PlainLight();
 /// What floats can sum over lights, areas and bounces.
 bool IsUsableRadiance(const glm::dvec3& radiance);
 
+/// Emission after `normalize`, 0 where it is negative; for delta lights the intensity (sphere) or
+/// irradiance (distant). \param light the record: its area, and whether it is a point.
+glm::dvec3 RadianceOf(const LightDescription& description, const shared::HdsLight& light);
+
 /// Whether a light's shadows are those of geometry.
 bool IsShadowPlain(const LightShadow& shadow);
 

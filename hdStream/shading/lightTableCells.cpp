@@ -34,16 +34,15 @@ void LightTableBuilder::AddCells(const PlacedLight& placed, double factor, share
     const glm::dvec3 center(light->center[0], light->center[1], light->center[2]);
     std::vector<shared::HdsLight> records;
     double sum = 0.0;
+    bool hasUnusable = false;
     for (const LightCell& cell : placed.cells) {
         shared::HdsLight record = *light;
-        glm::dvec3 radiance(0.0);
-        PlacedLight one;
-        one.name = placed.name;
-        one.light = cell.light;
-        // What has no size for a while, or is black, is dark then.
+        glm::dvec3 radiance(0.0); // what has no size for a while is dark then
         if (PlaceLight(cell.light, cell.worldFromLight, &record)) {
-            if (!Radiance(one, record, &radiance)) {
+            radiance = RadianceOf(cell.light, record);
+            if (!IsUsableRadiance(radiance)) {
                 radiance = glm::dvec3(0.0);
+                hasUnusable = true;
             }
             if (record.shapingBase != HDS_NONE && cell.worldFromLight != placed.worldFromLight) {
                 TurnShaping(placed, cell, &record);
@@ -55,6 +54,10 @@ void LightTableBuilder::AddCells(const PlacedLight& placed, double factor, share
         SetEmission(radiance, cellPower, &record);
         sum += cellPower;
         records.push_back(record);
+    }
+    if (hasUnusable) {
+        _warnings.Add(placed.name, "light's emission is no number up to 1e30 for a part of the "
+                                   "shutter's interval; dark then");
     }
     double bound = light->boundRadius;
     for (const shared::HdsLight& record : records) {

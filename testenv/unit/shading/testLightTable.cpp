@@ -519,6 +519,29 @@ TEST(LightTableTest, LightsThatChangeHaveARecordForEachPartOfTheInterval) {
     }
     EXPECT_NEAR(records[2].params[0], 2.0F, 1e-6);
     EXPECT_NEAR(light.strength, 0.5, 1e-6) << "the mean";
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST(LightTableTest, LightsAreDarkForAsLongAsTheirEmissionIsNoneOrUnusable) {
+    for (const float intensity : {-2.0F, std::nanf("")}) {
+        PlacedLight disk = Make(LightType::Disk);
+        disk.cells.assign(2, LightCell{disk.light, disk.worldFromLight});
+        disk.cells[0].light.intensity = intensity;
+        Warnings warnings;
+        const LightTable table = Build({disk}, warnings);
+        ASSERT_EQ(table.lights.size(), 1U);
+        shared::HdsLightControls controls;
+        std::memcpy(&controls, &table.cdf[table.lights[0].controlBase], sizeof(controls));
+        std::vector<shared::HdsLight> records(2);
+        std::memcpy(records.data(), &table.cdf[controls.cellBase], 2 * sizeof(records[0]));
+        EXPECT_EQ(records[0].strength, 0.0F);
+        EXPECT_GT(records[1].strength, 0.0F);
+        const bool isWarned = std::isnan(intensity);
+        ASSERT_EQ(warnings.Lines().size(), isWarned ? 1U : 0U) << "below 0 is dark";
+        if (isWarned) {
+            EXPECT_NE(warnings.Lines()[0].find("dark then"), std::string::npos);
+        }
+    }
 }
 
 } // namespace
