@@ -23,9 +23,8 @@ TF_DEFINE_PRIVATE_TOKENS(_tokens,
 
 HdCommandDescriptors HdStreamCommandDescriptors() {
     return {
-        HdCommandDescriptor(
-            _tokens->flushTextures,
-            "Reads image files, and a colour configuration that has changed, again"),
+        HdCommandDescriptor(_tokens->flushTextures,
+                            "Forgets what was read from image files and reads them again"),
         HdCommandDescriptor(_tokens->redice, "Dices subdivision surfaces for the present camera"),
         HdCommandDescriptor(_tokens->clearCache, "Deletes the files of the persistent cache"),
         HdCommandDescriptor(_tokens->dumpScene, "Writes the scene as text to a file",

@@ -29,10 +29,12 @@ void HdStreamLight::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     _UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
     SyncPlacement(delegate, param, bits);
-    if (bits & (DirtyParams | DirtyResource | DirtyShadowParams | DirtyCollection)) {
+    const bool areParametersDirty =
+        (bits & (DirtyParams | DirtyResource | DirtyShadowParams | DirtyCollection)) != 0;
+    if (areParametersDirty) {
         SyncParameters(delegate, param);
     }
-    if (bits & (DirtyTransform | DirtyParams)) { // the former also when the shutter changes
+    if (areParametersDirty || (bits & DirtyTransform)) { // the latter also when the shutter changes
         SyncSamples(delegate, param);
     }
     const bool isPlaced = HdStreamInstancer::IsPlaced(_prim.placement);
@@ -100,7 +102,9 @@ void HdStreamLight::SyncSamples(HdSceneDelegate* delegate, HdStreamRenderParam* 
     for (hds::LightSample& sample : _prim.samples) {
         hds::LightDescription light = _authored;
         light.intensity = sample.intensity;
-        HdStreamFixLight(param->Exporter(), &light);
+        if (_typeId != HdPrimTypeTokens->simpleLight) {
+            HdStreamFixLight(param->Exporter(), &light);
+        }
         sample.intensity = light.intensity;
     }
 }

@@ -239,12 +239,15 @@ std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, con
         for (const std::string prefix : {"", "inputs:"}) {
             const auto source =
                 HdSampledDataSource::Cast(inputs->Get(TfToken(prefix + field.name)));
+            if (!source) {
+                continue;
+            }
             std::vector<HdSampledDataSource::Time> times;
-            if (source &&
-                source->GetContributingSampleTimesForInterval(
+            if (source->GetContributingSampleTimesForInterval(
                     static_cast<float>(shutter.open), static_cast<float>(shutter.close), &times)) {
                 sources[field.name] = source;
             }
+            break; // as of the frame
         }
     });
     std::vector<hds::LightSample> samples;

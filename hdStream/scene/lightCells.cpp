@@ -20,9 +20,23 @@ constexpr double kStep = 1.0 / 128.0;
 /// What is as small as that of its greatest size still has one.
 constexpr float kLeastSize = 1.0F / 65536.0F;
 
-constexpr std::array<float LightDescription::*, 5> kSizes{
-    &LightDescription::angle, &LightDescription::radius, &LightDescription::width,
-    &LightDescription::height, &LightDescription::length};
+/// A size, and what kinds of light have it.
+struct Size {
+    float LightDescription::*value;
+    std::array<LightType, 3> types;
+
+    bool IsOf(const LightDescription& light) const {
+        return std::find(types.begin(), types.end(), light.type) != types.end();
+    }
+};
+
+constexpr std::array<Size, 5> kSizes{{
+    {&LightDescription::angle, {LightType::Distant, LightType::Distant, LightType::Distant}},
+    {&LightDescription::radius, {LightType::Sphere, LightType::Disk, LightType::Cylinder}},
+    {&LightDescription::width, {LightType::Rect, LightType::Rect, LightType::Rect}},
+    {&LightDescription::height, {LightType::Rect, LightType::Rect, LightType::Rect}},
+    {&LightDescription::length, {LightType::Cylinder, LightType::Cylinder, LightType::Cylinder}},
+}};
 
 /// What the keys say of the light's motion at a time, as kernels interpolate them, taken away.
 glm::dmat4 WithoutKeys(const glm::dmat4& pose, const glm::dvec3& pivot,
@@ -40,7 +54,7 @@ glm::dmat4 WithoutKeys(const glm::dmat4& pose, const glm::dvec3& pivot,
     return rest;
 }
 
-/// All that may change of a cell, as numbers.
+/// All that may change of a cell and that its kind of light has, as numbers.
 std::array<double, 20> NumbersOf(const LightCell& cell) {
     std::array<double, 20> numbers{};
     const glm::dvec3 emission = LightEmission(cell.light);
@@ -48,8 +62,8 @@ std::array<double, 20> NumbersOf(const LightCell& cell) {
     for (int i = 0; i < 3; ++i) {
         *out++ = emission[i];
     }
-    for (const auto size : kSizes) {
-        *out++ = double(cell.light.*size);
+    for (const Size& size : kSizes) {
+        *out++ = size.IsOf(cell.light) ? double(cell.light.*size.value) : 0.0;
     }
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 3; ++row) {
@@ -127,14 +141,16 @@ std::vector<LightCell> MakeLightCells(const LightPrim& prim, const Shutter& shut
     if (count < kMostCells) {
         cells = cut(count);
     }
-    const bool isAsForFrame = cells.size() == 1 && cells[0] == LightCell{prim.light, frame};
+    const bool isAsForFrame =
+        cells.size() == 1 && NumbersOf(cells[0]) == NumbersOf(LightCell{prim.light, frame});
     if (isAsForFrame) {
         return {};
     }
     const LightDescription most = MostOf(prim.light, cells);
     for (LightCell& cell : cells) {
-        for (const auto size : kSizes) {
-            cell.light.*size = std::max(cell.light.*size, kLeastSize * (most.*size));
+        for (const Size& size : kSizes) {
+            float& own = cell.light.*size.value;
+            own = std::max(own, kLeastSize * (most.*size.value));
         }
     }
     return cells;
@@ -144,8 +160,8 @@ LightDescription MostOf(const LightDescription& light, const std::vector<LightCe
     LightDescription most = light;
     double brightest = -1.0;
     for (const LightCell& cell : cells) {
-        for (const auto size : kSizes) {
-            most.*size = std::max(most.*size, cell.light.*size);
+        for (const Size& size : kSizes) {
+            most.*size.value = std::max(most.*size.value, cell.light.*size.value);
         }
         const glm::dvec3 emission = LightEmission(cell.light);
         const double luminance = 0.2126 * emission.x + 0.7152 * emission.y + 0.0722 * emission.z;

@@ -6,7 +6,6 @@
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/session/sessionImpl.h"
-#include "hdStream/texture/colorConversion.h"
 
 #include <exception>
 #include <utility>
@@ -38,7 +37,6 @@ std::vector<DeviceInfo> ListDevices() {
 
 Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move(onWarning))) {
     ReadyPoclEnvironment();
-    RefreshColorConfig(); // a host may live longer than its files stay as they are
 }
 
 Session::~Session() = default;
@@ -238,7 +236,6 @@ bool Session::HasImage() const {
 }
 
 void Session::FlushTextures() {
-    RefreshColorConfig();
     _impl->cache.images.Clear();
     _impl->cache.materials.clear();
     _impl->cache.lightKey = {};

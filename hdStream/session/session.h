@@ -166,8 +166,7 @@ public:
     /// the last one was not cancelled while it was prepared.
     bool HasImage() const;
 
-    /// Forgets what was read from image files, and of a colour configuration that has changed, so
-    /// that the next Render reads them again.
+    /// Forgets what was read from image files, so that the next Render reads them again.
     void FlushTextures();
 
     /// Statistics of the last render as JSON text (docs/statistics.md).

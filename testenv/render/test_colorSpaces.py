@@ -18,7 +18,7 @@ import ours
 import volumeCase
 from cardStrip import Strip
 from hdstream import _core
-from hdstream.translate import TranslateStage, colorSpaces
+from hdstream.translate import colorSpaces
 from stages import author, imageFile, shapes
 from stages.materialX import AddNode, AddSurface
 from textureCases import AddReader, AddTexture, Connect, FromSrgb
@@ -412,44 +412,3 @@ def test_spaces_that_a_stage_defines_are_those_of_openUsd(tmp_path):
         assert _Value(strip, name) == pytest.approx(glow, abs=1e-6)
     said = [line for line in strip.picture.warnings if "colour space" in line]
     assert len(said) == 2 and sum("'d0'" in line for line in said) == 1 and sum("cannot be computed with" in line for line in said) == 1
-
-
-_CONFIG = """ocio_profile_version: 2
-roles: {{default: linear, scene_linear: linear}}
-displays: {{d: [!<View> {{name: v, colorspace: linear}}]}}
-active_displays: []
-active_views: []
-colorspaces:
-  - !<ColorSpace> {{name: linear}}
-  - !<ColorSpace> {{name: camera, to_scene_reference: !<ExponentTransform> {{value: [{0}, {0}, {0}, 1]}}}}
-"""
-
-
-def test_a_configuration_that_has_changed_is_read_again(tmp_path, monkeypatch):
-    """By a new session, and by one that forgets its images; not while it goes on."""
-    config, glow = tmp_path / "config.ocio", np.array((0.5, 0.4, 0.3))
-    monkeypatch.setenv("OCIO", str(config))
-    config.write_text(_CONFIG.format(2))
-    strip = Strip(tmp_path / "changed.usda")
-    strip.Add("camera", emissiveColor=tuple(glow), **_BLACK)
-    _Emission(strip.cards["camera"]).SetColorSpace("camera")
-    strip.Render(samples=1)
-    assert _Value(strip, "camera") == pytest.approx(glow**2, abs=1e-5)
-    config.write_text(_CONFIG.format(3))
-    strip.picture = ours.Render(strip.path, 4, 4, samples=1, maxDepth=0)
-    assert _Value(strip, "camera") == pytest.approx(glow**3, abs=1e-5)
-
-    session, settings = _core.Session(), _core.Settings()
-    TranslateStage(Usd.Stage.Open(strip.path), session, Usd.TimeCode.Default())
-    settings.camera, settings.imageWidth, settings.imageHeight = "/World/Camera", 4, 4
-    settings.samples, settings.maxDepth, settings.noCache = 1, 0, True
-
-    def Value():
-        session.Render(settings)
-        return np.array(session.Layers()[0].pixels)[1:3, 1:3, :3].reshape(-1, 3).mean(0)
-
-    assert Value() == pytest.approx(glow**3, abs=1e-5)
-    config.write_text(_CONFIG.format(1))
-    assert Value() == pytest.approx(glow**3, abs=1e-5)
-    session.FlushTextures()
-    assert Value() == pytest.approx(glow, abs=1e-5)

@@ -173,7 +173,9 @@ def _LayersOf(stage, product, session):
             isHalf = False
         for name in _core.LayersOf(aov):
             layer = Layer(name, str(authored) if authored and name == aov else name, isHalf)
-            if layer.name in layers:
+            if len(layer.name.encode()) > _LONGEST_NAME:
+                session.Warn(str(target), f"its layer {layer.name[:40]!r}... has a name of more than {_LONGEST_NAME} bytes; left out")
+            elif layer.name in layers:
                 session.Warn(str(target), f"a second layer {layer.name!r} of {product.GetPath()}; left out")
             else:
                 layers[layer.name] = layer

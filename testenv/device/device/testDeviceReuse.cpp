@@ -19,14 +19,22 @@ const std::string kText = "kernel void fill(global int* x, int value) {\n"
 
 class DeviceReuse : public DeviceFixture {
 protected:
+    static inline int firstNumber = 0;
+
     void SetUp() override {
         DeviceFixture::SetUp();
+        firstNumber += 100; // what a test before has built is kept, also when all are repeated
         if (!IsSkipped() && !HasFatalFailure() && !device->Properties().hasSlowBinaries) {
             GTEST_SKIP() << "of PoCL alone";
         }
     }
 
     std::shared_ptr<Device> Reuse() const { return Device::Reuse(device->Properties().name); }
+
+    /// Of the program of a number that no other test has.
+    static ProgramDefines Defines(int number) {
+        return {{"HDS_ITEMS_PER_WORK_ITEM", std::to_string(firstNumber + number)}};
+    }
 
     static bool Renders(Session* session, const Settings& settings) {
         try {
@@ -38,16 +46,15 @@ protected:
     }
 
     /// Whether the program was there; it computes what it says.
-    static bool IsThere(const std::shared_ptr<Device>& user, int items, Store* store = nullptr) {
-        const Program program(user, "test.cl", {{"HDS_ITEMS_PER_WORK_ITEM", std::to_string(items)}},
-                              store, &kText);
+    static bool IsThere(const std::shared_ptr<Device>& user, int number, Store* store = nullptr) {
+        const Program program(user, "test.cl", Defines(number), store, &kText);
         const Buffer out(user, "out", 64 * sizeof(int));
         const int value = 100;
         program.GetKernel("fill").Launch(64, out, value);
         user->Finish();
         std::vector<int> values(64);
         out.Read(values.data(), values.size() * sizeof(int));
-        EXPECT_EQ(values, std::vector<int>(64, value + items));
+        EXPECT_EQ(values, std::vector<int>(64, value + firstNumber + number));
         return program.IsFromCache();
     }
 };
@@ -78,8 +85,8 @@ TEST_F(DeviceReuse, ASessionThatHasMetAnErrorLeavesNothing) {
     Settings settings = MakeSettings();
     settings.device = device->Properties().name;
     for (const bool fails : {false, true}) {
-        const int items = fails ? 9 : 8;
-        EXPECT_FALSE(IsThere(Reuse(), items)) << "the session has its context next";
+        const int number = fails ? 9 : 8;
+        EXPECT_FALSE(IsThere(Reuse(), number)) << "the session has its context next";
         {
             Session session;
             FillSession(&session);
@@ -87,7 +94,7 @@ TEST_F(DeviceReuse, ASessionThatHasMetAnErrorLeavesNothing) {
             EXPECT_EQ(Renders(&session, settings), !fails);
             FailAllocation(-1);
         }
-        EXPECT_EQ(IsThere(Reuse(), items), !fails);
+        EXPECT_EQ(IsThere(Reuse(), number), !fails);
     }
 }
 
@@ -101,8 +108,7 @@ TEST_F(DeviceReuse, TwoAtOnceShareNothing) {
 
 TEST_F(DeviceReuse, AProgramInUseIsNobodyElses) {
     const std::shared_ptr<Device> user = Reuse();
-    const ProgramDefines defines = {{"HDS_ITEMS_PER_WORK_ITEM", "5"}};
-    const Program held(user, "test.cl", defines, nullptr, &kText);
+    const Program held(user, "test.cl", Defines(5), nullptr, &kText);
     EXPECT_FALSE(IsThere(user, 5));
     EXPECT_TRUE(IsThere(user, 5));
 }
@@ -113,8 +119,8 @@ TEST_F(DeviceReuse, AStoreGetsWhatItLacks) {
     Warnings warnings;
     Store store({folder.string()}, &warnings);
     const std::shared_ptr<Device> user = Reuse();
-    const ProgramDefines defines = {{"HDS_ITEMS_PER_WORK_ITEM", "6"}};
-    const ProgramSource source = MakeProgramSource(user->Properties(), "test.cl", defines, &kText);
+    const ProgramSource source =
+        MakeProgramSource(user->Properties(), "test.cl", Defines(6), &kText);
     EXPECT_FALSE(IsThere(user, 6));
     EXPECT_FALSE(IsThere(user, 6, &store)) << "it is built, so that it can be saved";
     Program(user, source, &store).SaveBinary(&store);

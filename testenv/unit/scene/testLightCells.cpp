@@ -53,6 +53,9 @@ TEST(LightCells, WhatDoesNotChangeHasNone) {
                                MovingTransform(glm::dmat4(1.0)), {}, true)
                     .empty());
     EXPECT_EQ(CellsOf(Ball({{-0.5, 0.7F}, {0.5, 0.7F}})).size(), 1U) << "not as for the frame";
+    LightPrim dome = Ball({{-0.5, 0.7F}, {0.5, 1.7F}});
+    dome.light.type = LightType::Dome;
+    EXPECT_TRUE(CellsOf(dome).empty()) << "domes have no radius";
 }
 
 TEST(LightCells, TheyHaveTheLightOfTheirMiddleAndAreAsManyAsItChangesFast) {

@@ -73,11 +73,13 @@ def ReadLight(prim, typeName, names, timeCode, assets, warn):
     return light
 
 
-def ReadLightSamples(prim, light, motion):
+def ReadLightSamples(prim, light, names, motion):
     """What of a light changes while the shutter is open; empty when it is the same at all times."""
-    inputs = {name: prim.GetAttribute(f"inputs:{name}") for name in _VARYING}
-    varying = {name: attribute for name, attribute in inputs.items() if attribute and valueClips.Varies(attribute)}
-    if not motion.isOn or not varying:
+    if not motion.isOn:
+        return []
+    inputs = {name: prim.GetAttribute(f"inputs:{name}") for name in _VARYING if f"inputs:{name}" in names}
+    varying = {name: attribute for name, attribute in inputs.items() if valueClips.Varies(attribute)}
+    if not varying:
         return []
     samples = []
     for time, told in zip(motion.times, motion.ToldTimes()):

@@ -262,8 +262,8 @@ def SampleAt(samples, time, still):
 
 
 def WhereFinite(moved, points):
-    """What velocities make of points; those that they take nowhere finite stand still."""
-    isFinite = np.isfinite(np.asarray(moved)).all(axis=1)
+    """What velocities make of points; those that they take from somewhere finite to nowhere finite stand still."""
+    isFinite = np.isfinite(np.asarray(moved)).all(axis=1) | ~np.isfinite(np.asarray(points)).all(axis=1)
     return moved if isFinite.all() else Vt.Vec3fArray.FromNumpy(np.where(isFinite[:, None], moved, points))
 
 

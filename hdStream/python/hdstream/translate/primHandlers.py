@@ -241,7 +241,7 @@ class PrimHandlers:
             if state.matrices is not None:
                 placement.samples = self._translator.MotionOf(state).SamplesOf([pole * matrix for matrix in state.matrices])
         lightPrim = _core.LightPrim(light, placement)
-        lightPrim.samples = lights.ReadLightSamples(prim, light, self._translator.MotionOf(state))
+        lightPrim.samples = lights.ReadLightSamples(prim, light, names, self._translator.MotionOf(state))
         lightPrim.links = self._links.Read(prim, names)
         for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
             lightPrim.AddPortal(np.array(matrix), width, height)
