@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bindFields.h"
 #include "hdStream/python/bindings.h"
+#include "hdStream/session/hostFrame.h"
 #include "hdStream/session/session.h"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -49,10 +51,12 @@ void BindMaterials(nb::module_& module) {
     network.def(
         "__init__",
         [](MaterialNetwork* self, std::vector<MaterialNode> nodes,
-           std::map<std::string, MaterialNode::Connection> terminals) {
+           std::map<std::string, MaterialNode::Connection> terminals, std::optional<double> frame) {
             new (self) MaterialNetwork{std::move(nodes), std::move(terminals)};
+            TellFrame(frame, self);
         },
-        "nodes"_a, "terminals"_a);
+        "nodes"_a, "terminals"_a, "frame"_a = nb::none(),
+        "`frame`: that is rendered, for nodes that ask for it; None: it is not known.");
     BindFields<FieldAccess::ReadOnly>(network);
 
     module.def(

@@ -3,6 +3,7 @@
 // stdlib_ng.mtlx, nprlib_ng.mtlx and gltf_pbr.mtlx of MaterialX 1.39. Beside them geometry, slopes
 // of heights, and noise by cells; colours are in colorNodes.cpp. The table of what there is:
 // docs/materials.md.
+#include "hdStream/shading/hostFrame.h"
 #include "hdStream/shading/patternNode.h"
 #include "hdStream/shading/programWriter.h"
 
@@ -231,6 +232,18 @@ public:
             MakeScalar(2.0F));
         return Switch(In("type", 0.0F), {ChannelOf(st, 0), turns, distance, box});
     }
+
+    // What the host knows.
+    ShaderValue Frame() {
+        const ShaderValue frame = _network.Evaluate(_node, kFrameInput);
+        if (!frame) {
+            _network.Warn("asks for the frame, which is not known: it counts as 0");
+            return MakeScalar(0.0F);
+        }
+        return frame;
+    }
+    /// In seconds.
+    ShaderValue Time() { return Scalar(HDS_MATH_DIVIDE, Frame(), In("fps", 24.0F)); }
 
     // Geometry.
     /// \tparam kDirection 0 or HDS_TANGENT_ACROSS
@@ -520,6 +533,8 @@ constexpr PatternType kTypes[] = {
     {"grid", kPattern<&LibraryNode::Grid>},
     {"ramp", kPattern<&LibraryNode::Ramp>},
     {"ramp_gradient", kPattern<&LibraryNode::RampGradient>},
+    {"frame", kPattern<&LibraryNode::Frame>},
+    {"time", kPattern<&LibraryNode::Time>},
     {"tangent", kPattern<&LibraryNode::Tangent<0>>},
     {"bitangent", kPattern<&LibraryNode::Tangent<HDS_TANGENT_ACROSS>>},
     {"viewdirection", kPattern<&LibraryNode::ViewDirection>},

@@ -285,3 +285,28 @@ def test_what_is_not_drawn_is_told_once(body, expected):
     def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""))
     session.Info()
     assert [line for line in session.Warnings() if "no lights" not in line] == expected
+
+
+def test_nodes_that_ask_for_the_frame_are_told_it():
+    stage = StageOf("""
+def Material "Look" {
+    token outputs:mtlx:surface.connect = </Look/Surface.outputs:out>
+    def Shader "Surface" {
+        uniform token info:id = "ND_surface_unlit"
+        float inputs:emission.connect = </Look/Graph.outputs:seconds>
+        token outputs:out
+    }
+    def NodeGraph "Graph" {
+        float outputs:seconds.connect = </Look/Graph/Time.outputs:out>
+        def Shader "Time" {
+            uniform token info:id = "ND_time_float"
+            float outputs:out
+        }
+    }
+}
+def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </Look> }
+""")
+    for timeCode in (2.5, 7.0):
+        assert f"node /Look/Graph/Time: ND_time_float\n    frame: {timeCode:g}\n" in Translate(stage, timeCode).Dump()
+    for timeCode in (Usd.TimeCode.Default(), Usd.TimeCode.EarliestTime()):
+        assert "frame:" not in Translate(stage, timeCode).Dump()

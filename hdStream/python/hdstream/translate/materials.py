@@ -99,7 +99,8 @@ class MaterialReader:
                 nodes[path] = self._ReadNode(shader, pending)
         if "surface" not in terminals and "volume" not in terminals:
             self._WarnOfOthers(material)
-        return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals)
+        frame = None if self._timeCode.IsDefault() else self._timeCode.GetValue()
+        return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals, frame)
 
     def _FindTerminal(self, material, terminal):
         """The best context's source; of surfaces that of the first that is drawn, else of the first."""
