@@ -49,6 +49,8 @@ MAX_JOBS = 4  # a part needs up to 2 GB
 LONGEST = ("install", "cli/test_performancePage.py", "device/LightEdits.*", "fuzz", "render/test_closed_form.py", "device",
            "device/Roots.*", "stream", "render", "render/test_libraryNodes.py", "render/test_textureRules.py",
            "render/test_patterns.py", "render/test_identity.py", "render/test_stability.py", "render/test_motionAverage.py",
+           "render/test_mitsuba.py", "render/test_stages.py", "render/test_media.py", "render/test_meshMedia.py",
+           "render/test_volumes.py", "render/test_hairMitsuba.py",
            "hydra", "farm", "docs", "stat", "cli")
 
 # text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds.
