@@ -2,7 +2,7 @@
 """Stages of ordinary kinds (stages/everyday.py, stages/rooms.py): relMSE times CPU seconds of hdStream, with one folder of kernels or
 two, and of Mitsuba's llvm variant.
 
-    everydayStages.py [--stages corridor,curtains,kitchen,product,foliage] [--before KERNELS] [--mitsuba llvm,preview] [--samples 64]
+    everydayStages.py [--stages corridor,curtains,kitchen,bathroom,product,foliage] [--before KERNELS] [--mitsuba llvm,preview] [--samples 64]
 
 Every renderer stays in a process of its own, and one renders at a time, in turns, after a picture that compiles what is to be compiled;
 each with the settings that it has by itself, Russian roulette too. Errors are against a reference of the renderer's own, in two
@@ -25,7 +25,7 @@ sys.path[:0] = [str(_HERE), str(_HERE.parent), str(_HERE.parent / "render")]
 
 import numpy as np  # noqa: E402
 
-import rivalsLadder  # noqa: E402
+import inTurns  # noqa: E402
 from stages import everyday, rooms  # noqa: E402
 
 _KERNELS = _HERE.parents[1] / "kernels"
@@ -93,28 +93,8 @@ def _Compare(name: str, args, folder: pathlib.Path) -> None:
         renderers["before"] = new("hdstream", args.before)
     for kind in filter(None, args.mitsuba.split(",")):
         renderers[kind] = new(f"mitsuba {kind}", None)
-    halves = {}
-    for who, renderer in renderers.items():
-        renderer.Render(args.samples, 998)
-        halves[who] = [renderer.Render(args.reference // 2, seed)[0] for seed in (101, 102)]  # `before` too: it leaves what it has built
-    halves["before"] = halves["here"]
-    figures = {who: [] for who in renderers}
-    for repeat in range(args.repeats):
-        for who, renderer in renderers.items():
-            picture, seconds = renderer.Render(args.samples, 1 + repeat)
-            figures[who].append((seconds, *rivalsLadder.Errors(picture, halves[who])))
-    print(f"\n{name}: {args.samples} samples, {job['width']} x {job['height']}, load {os.getloadavg()[0]:.1f}")
-    here = np.array(figures["here"])
-    for who, rows in figures.items():
-        rows = np.array(rows)
-        cells = [f"{np.median(rows[:, 0]):.2f} s", f"relMSE {rows[:, 1].mean():.3e}", f"trimmed {rows[:, 2].mean():.3e}"]
-        ratios = here[:, 0] / rows[:, 0]
-        cells.append(f"here/it: seconds {np.median(ratios):.2f} ({ratios.min():.2f} to {ratios.max():.2f})")
-        cells += [f"{what} {np.mean(here[:, i]) / np.mean(rows[:, i]):.2f}" for i, what in ((1, "relMSE"), (2, "trimmed"))]
-        cells += [f"product {np.median(ratios) * here[:, i].mean() / rows[:, i].mean():.2f}" for i in (1, 2)]
-        print(f"  {who:8}" + "  ".join(cells) + f"  mean {np.mean(halves[who]):.4f}", flush=True)
-    for renderer in renderers.values():
-        renderer.Close()
+    inTurns.Compare(name, renderers, job, args)
+
 
 
 def Main() -> None:

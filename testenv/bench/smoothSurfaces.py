@@ -150,7 +150,6 @@ class Renderer:
 
 
 def _Compare(name: str, args, folder: pathlib.Path) -> None:
-    import rivalsLadder
 
     path = folder / f"{name}.usdc"
     smooth.WRITERS[name](str(path))
@@ -161,28 +160,8 @@ def _Compare(name: str, args, folder: pathlib.Path) -> None:
         renderers["before"] = Renderer(__file__, dict(job, renderer="hdstream"), args.before, folder)
     if args.mitsuba and name != "softboxes":
         renderers["mitsuba"] = Renderer(__file__, dict(job, renderer="mitsuba"), None, folder)
-    halves = {}
-    for who, renderer in renderers.items():
-        renderer.Render(args.samples, 998)
-        halves[who] = [renderer.Render(args.reference // 2, seed)[0] for seed in (101, 102)]  # `before` too: it leaves what it has built
-    halves["before"] = halves["here"]
-    figures = {who: [] for who in renderers}
-    for repeat in range(args.repeats):
-        for who, renderer in renderers.items():
-            picture, seconds = renderer.Render(args.samples, 1 + repeat)
-            figures[who].append((seconds, *rivalsLadder.Errors(picture, halves[who])))
-    print(f"\n{name}: {args.samples} samples, {job['width']} x {job['height']}, load {os.getloadavg()[0]:.1f}")
-    here = np.array(figures["here"])
-    for who, rows in figures.items():
-        rows = np.array(rows)
-        cells = [f"{np.median(rows[:, 0]):.2f} s", f"relMSE {rows[:, 1].mean():.3e}", f"trimmed {rows[:, 2].mean():.3e}"]
-        ratios = here[:, 0] / rows[:, 0]
-        cells.append(f"here/it: seconds {np.median(ratios):.2f} ({ratios.min():.2f} to {ratios.max():.2f})")
-        cells += [f"{what} {np.mean(here[:, i]) / np.mean(rows[:, i]):.2f}" for i, what in ((1, "relMSE"), (2, "trimmed"))]
-        cells += [f"product {np.median(ratios) * here[:, i].mean() / rows[:, i].mean():.2f}" for i in (1, 2)]
-        print(f"  {who:8}" + "  ".join(cells) + f"  mean {np.mean(halves[who]):.4f}", flush=True)
-    for renderer in renderers.values():
-        renderer.Close()
+    inTurns.Compare(name, renderers, job, args)
+
 
 
 def Main() -> None:
