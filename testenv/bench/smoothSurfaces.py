@@ -24,6 +24,7 @@ sys.path[:0] = [str(_HERE), str(_HERE.parent), str(_HERE.parent / "render")]
 
 import numpy as np  # noqa: E402
 
+import inTurns  # noqa: E402
 from stages import smooth  # noqa: E402
 
 _KERNELS = _HERE.parents[1] / "kernels"
@@ -150,7 +151,6 @@ class Renderer:
 
 
 def _Compare(name: str, args, folder: pathlib.Path) -> None:
-
     path = folder / f"{name}.usdc"
     smooth.WRITERS[name](str(path))
     aspect = 2.0 if name == "wideSky" else 4 / 3
