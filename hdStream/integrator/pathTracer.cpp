@@ -5,6 +5,7 @@
 #include "hdStream/integrator/catcherLight.h"
 #include "hdStream/integrator/domeGuidePass.h"
 #include "hdStream/integrator/filmBuffers.h"
+#include "hdStream/integrator/firstHits.h"
 #include "hdStream/integrator/frameConstants.h"
 #include "hdStream/integrator/kernelSets.h"
 #include "hdStream/integrator/onlooker.h"
@@ -454,53 +455,27 @@ struct PathTracer::Impl {
         }
     }
 
-    /// First-hit AOVs through pixel centres, wave by wave. \param onlooker told after each wave
-    /// that so many samples are done, and may stop it; null: nobody is.
+    /// The AOVs of first hits. \param onlooker told after each wave that so many samples are done,
+    /// and may stop it; null: nobody is.
     void RenderFirstHits(double samplesEquivalent, Onlooker* onlooker) {
-        const shared::HdsAovOffsets offsets = film.FirstHitOffsets(
-            scene->centre,
-            options.shutter.IsOpen() ? options.shutter.close - options.shutter.open : 0.0);
-        const Buffer primvarSlots =
-            UploadVector(device, "primvar slots", FindSlots(*scene, options.aovs.primvars));
-        const Buffer& order = pixelLists.All(schedule);
-        const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
-        const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
-        const Buffer& paths = tracer.Paths();
-        const std::uint32_t numSlots = tracer.NumSlots();
-        const std::uint32_t maxPaths = tracer.MaxPaths();
-        const WaveTracer::IsCancelled isCancelled =
-            onlooker != nullptr ? onlooker->watch.isCancelled : WaveTracer::IsCancelled();
-        for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += maxPaths) {
-            if (onlooker != nullptr && firstPixel > 0) {
+        const auto goesOn = [&] {
+            if (onlooker != nullptr) {
                 Report(samplesEquivalent, onlooker);
             }
-            if (onlooker != nullptr && onlooker->isStopped) {
-                return;
-            }
-            const std::uint32_t numPixels = std::min(maxPaths, pixelCount - firstPixel);
-            const shared::HdsWave wave{firstPixel, numPixels, 0, 1};
-            const bool isTraced = tracer.Trace(
-                numPixels,
-                [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
-                    std::uint32_t queueFirst) {
-                    kernels->generateCentre.Launch(count, constants.Frame(), wave, first, count,
-                                                   paths, numSlots, order, queue, queueFirst);
-                },
-                [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
-                    const Buffer& next) {
-                    kernels->aov.Launch(count, constants.Frame(), paths, numSlots, queue, count,
-                                        waiting, next, tracer.Counters(), film.Floats(),
-                                        film.Ints(), offsets, primvarSlots);
-                },
-                isCancelled);
-            if (!isTraced) {
-                onlooker->isStopped = true;
-                return;
-            }
+            return onlooker == nullptr || !onlooker->isStopped;
+        };
+        const auto numPixels = static_cast<std::uint32_t>(schedule.AllPixels().size());
+        const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
+        const bool isDone = TraceFirstHits(
+            device, {scene, &options, &constants.Frame(), &pixelLists.All(schedule), numPixels},
+            kernels, &tracer, &film, goesOn,
+            onlooker != nullptr ? onlooker->watch.isCancelled : WaveTracer::IsCancelled());
+        if (!isDone) {
+            onlooker->isStopped = true;
+            return;
         }
         statistics.indirectRays = indirectRays;
         CollectTexelCounts();
-        film.SetHasFirstHits();
     }
 
     std::vector<ImageLayer> Layers(bool withFirstHits) {
