@@ -56,8 +56,12 @@ glm::dmat4 WithoutKeys(const glm::dmat4& pose, const glm::dvec3& pivot,
     return rest;
 }
 
-/// What of the transform counts. A distant light has a direction alone, unless it is shaped.
+/// What of the transform counts. A distant light has a direction alone, unless it is shaped, and a
+/// sky without an image has none.
 glm::dmat4 TransformOf(const LightCell& cell) {
+    if (cell.light.type == LightType::Dome && cell.light.textureFile.authoredPath.empty()) {
+        return glm::dmat4(0.0);
+    }
     const double length = glm::length(cell.worldFromLight[2]);
     if (cell.light.type != LightType::Distant || !IsUnshaped(cell.light) || !(length > 0.0)) {
         return cell.worldFromLight;

@@ -48,10 +48,10 @@ struct LightWay {
     /// \param mostCells of MakeLightCells
     void Follow(const LightPrim& prim, const Shutter& shutter,
                 const MovingTransform& worldFromLight, std::size_t mostCells) {
-        // What is at infinity has directions alone; filters lie somewhere.
+        // What is at infinity has directions alone; filters and portals lie somewhere.
         const LightType type = prim.light.type;
-        const bool isFar =
-            (type == LightType::Distant || type == LightType::Dome) && prim.filters.empty();
+        const bool isFar = (type == LightType::Distant || type == LightType::Dome) &&
+                           prim.filters.empty() && prim.portals.empty();
         const MovingTransform way = isFar ? worldFromLight.Directions() : worldFromLight;
         bool isRigid = true;
         keys = MakeLightKeys(way, &isRigid);

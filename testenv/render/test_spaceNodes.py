@@ -12,6 +12,7 @@ from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
 
 pytest.importorskip("hdstream._core")
 
+import hdstream
 import ours
 from stages import author, shapes
 from stages.materialX import AddNode
@@ -188,6 +189,7 @@ def board(tmp_path_factory):
     for kind, fromSpace, toSpace in _CASES:
         result.AddRow((kind, fromSpace, toSpace), lambda stage, path, k=kind, a=fromSpace, b=toSpace: _Carried(
             stage, path + "/Carried", k, a, b, _IN[k]), _ScaleOf(kind))
+    result.AddRow("view", lambda stage, path: _Geometry(stage, path + "/View", "viewdirection", "object"), 0.25)
     for case in _DIFFERENCES:
         result.AddRow(case, lambda stage, path, c=case: _Difference(stage, path, *c), 1.0)
     result.Save()
@@ -213,6 +215,14 @@ def test_what_is_known_of_the_hit_is_carried_onto_itself(board, case):
         assert shown == pytest.approx(np.zeros((4, 3)), abs=1e-4 if case[0] == "position" else 2e-6), column
 
 
+def test_the_direction_of_view_in_object_space(board):
+    row = board.rows.index("view")
+    for column in range(len(_COLUMNS)):
+        expected = np.linalg.inv(board.matrices[row, column][:3, :3]) @ (0, 0, -1)  # the camera is orthographic
+        shown = board.At(board.picture, row, column, 0.25)
+        assert shown == pytest.approx(np.tile(expected / np.linalg.norm(expected), (4, 1)), abs=2e-6), column
+
+
 def test_no_node_warns(board):
     assert board.picture.warnings == []
 
@@ -223,3 +233,83 @@ def test_no_node_warns(board):
 ], ids=["scalar", "simd8", "flat", "streamed", "streamedScalar"])
 def test_bits_are_the_same_however_rays_find_them(board, settings):
     assert board.Render(**settings).layers["color"].tobytes() == board.picture.layers["color"].tobytes()
+
+
+def _One(path, source, place, scale, offset=(0, 0, 0), eye=(0, 0, 60), aspect=1.0):
+    """A stage with one cube, which fills most of the picture."""
+    stage = author.NewStage(str(path))
+    material = _Glow(stage, "/World/M", source(stage, "/World/M"), scale)
+    cube = _Cube(stage, "/World/Cube", material, offset)
+    place(cube)
+    author.AddCamera(stage, eye=eye, target=(*eye[:2], eye[2] - 60), up=(0, 1, 0), width=20.0, aspect=aspect, orthographic=True)
+    return stage
+
+
+def test_far_from_the_origin(tmp_path):
+    """Points of the mesh, and its place, are far away: the renderer keeps both relative to places of its own."""
+    inside, outside = np.array([4e5, -3e5, 2e5]), np.array([3e5, 5e5, -4e5])
+    matrix = _Affine(_TURNED, outside - _TURNED @ inside)
+    eye = tuple(outside + (0, 0, 60))
+    cases = {"point": lambda stage, path: _Carried(stage, path + "/Carried", "transformpoint", "object", "world", tuple(inside)),
+             "back": lambda stage, path: _Carried(stage, path + "/Carried", "transformpoint", "world", "object", tuple(outside)),
+             "vector": lambda stage, path: _Carried(stage, path + "/Carried", "transformvector", "object", "world", (0.5, 0.25, 0.125))}
+    expected = {"point": outside, "back": inside, "vector": _TURNED @ (0.5, 0.25, 0.125)}
+    for name, source in cases.items():
+        scale = 0.25 if name == "vector" else 2.0**-21
+        stage = _One(tmp_path / f"{name}.usda", source, lambda cube: _Set(cube, matrix), scale, offset=inside, eye=eye)
+        stage.GetRootLayer().Save()
+        picture = ours.Render(tmp_path / f"{name}.usda", 8, 8, samples=1, maxDepth=0)
+        shown = (picture.rgb[3:5, 3:5].reshape(-1, 3) - 0.5) / scale
+        assert shown == pytest.approx(np.tile(expected[name], (4, 1)), abs=1e-5 if name == "vector" else 0.3), name
+
+
+@pytest.mark.parametrize("name", ["position", "pivot"])
+def test_what_moves_is_where_it_is_at_the_time_of_the_ray(tmp_path, name):
+    """A cube that slides and turns: what is known of the hit is carried onto itself at any time; and the mean of a place over the
+    shutter is that in the middle of a straight way, which is not where the frame has it."""
+    def Source(stage, path):
+        if name == "position":
+            return _Difference(stage, path, "position", "world", "object")
+        return _Carried(stage, path + "/Carried", "transformpoint", "object", "world", (0.25, 0.5, 0.0))
+
+    def Place(cube):
+        slide = UsdGeom.Xformable(cube).AddTranslateOp()
+        slide.Set(Gf.Vec3d(-0.2, 0, 0), 1.0)
+        slide.Set(Gf.Vec3d(0.2, 0.1, 0), 2.0)
+        if name == "position":
+            turn = UsdGeom.Xformable(cube).AddRotateYOp()
+            turn.Set(0.0, 1.0)
+            turn.Set(70.0, 2.0)
+        UsdGeom.Xformable(cube).AddScaleOp().Set(Gf.Vec3f(1.0, 1.5, 1.0))
+
+    scale = 0.5
+    stage = _One(tmp_path / "a.usda", Source, Place, scale)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera"))
+    camera.CreateShutterOpenAttr(0.0)
+    camera.CreateShutterCloseAttr(1.0)
+    stage.GetRootLayer().Save()
+    picture = hdstream.Renderer(str(tmp_path / "a.usda")).Render(
+        1.0, imageWidth=8, imageHeight=8, camera="/World/Camera", pixelFilter="box", pixelFilterWidth=1.0, maxDepth=0, samples=256, noCache=True)
+    shown = (picture.aovs["color"][3:5, 3:5, :3].astype(np.float64).reshape(-1, 3) - 0.5) / scale
+    expected = (0, 0, 0) if name == "position" else (0.25, 0.75 + 0.05, 0.0)
+    assert shown == pytest.approx(np.tile(expected, (4, 1)), abs=1e-6 if name == "position" else 5e-3)
+
+
+def test_names_that_are_no_space_are_said(tmp_path):
+    stage = _One(tmp_path / "a.usda", lambda stage, path: _Carried(stage, path + "/Carried", "transformvector", "tangent", "world", (0.5, 0.25, 1.0)),
+                 lambda cube: _Set(cube, _Affine(_TURNED)), 0.25)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(tmp_path / "a.usda", 8, 8, samples=1, maxDepth=0)
+    assert sum("fromspace of /World/M/Carried is tangent, which is no space that is known" in line for line in picture.warnings) == 1
+    assert (picture.rgb[4, 4] - 0.5) / 0.25 == pytest.approx((0.5, 0.25, 1.0), abs=1e-6)
+
+
+def test_displacement_knows_no_world(tmp_path):
+    stage = _One(tmp_path / "a.usda", lambda stage, path: (0.1, 0.2, 0.3), lambda cube: None, 1.0)
+    place = _Carried(stage, "/World/M/Place", "transformpoint", "object", "world", (1.0, 2.0, 3.0))
+    length = AddNode(stage, "/World/M/Length", "ND_magnitude_vector3", _T.Float, **{"in": place})
+    moved, _ = AddNode(stage, "/World/M/Displacement", "ND_displacement_float", _T.Token, displacement=length)
+    UsdShade.Material(stage.GetPrimAtPath("/World/M")).CreateDisplacementOutput("mtlx").ConnectToSource(moved.GetOutput("out"))
+    stage.GetRootLayer().Save()
+    picture = ours.Render(tmp_path / "a.usda", 8, 8, samples=1, maxDepth=0)
+    assert sum("displacement by a network with the transform of an instance is ignored" in line for line in picture.warnings) == 1

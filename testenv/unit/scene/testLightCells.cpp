@@ -132,7 +132,7 @@ TEST(LightCells, ThereAreAsManyAsThereMayBe) {
     }
 }
 
-TEST(LightCells, DistantLightsAreTheirDirectionAlone) {
+TEST(LightCells, LightsAtInfinityChangeWithDirectionsAlone) {
     const auto stretched = [](double height) {
         return glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, height, 2.0 * height));
     };
@@ -143,7 +143,12 @@ TEST(LightCells, DistantLightsAreTheirDirectionAlone) {
     EXPECT_TRUE(MakeLightCells(sun, kShutter, way, {}, false).empty());
     sun.light.shaping.focus = 2.0F; // along axes that are stretched
     EXPECT_FALSE(MakeLightCells(sun, kShutter, way, {}, false).empty());
-    LightPrim ball = Ball({});
+    LightPrim sky;
+    sky.light.type = LightType::Dome;
+    EXPECT_TRUE(MakeLightCells(sky, kShutter, way, {}, false).empty());
+    sky.light.textureFile.authoredPath = "sky.exr"; // which is stretched
+    EXPECT_FALSE(MakeLightCells(sky, kShutter, way, {}, false).empty());
+    const LightPrim ball = Ball({});
     EXPECT_FALSE(MakeLightCells(ball, kShutter, way, {}, false).empty());
     // A slanted one is turned by a stretch.
     const auto slanted = [&](double height) {
