@@ -345,6 +345,14 @@ public:
         return SignedNormal(NormalOf("height", MakeScalar(1.0F)), In("scale", 1.0F));
     }
 
+    /// Its input, which is all that it is by default; more is left out.
+    ShaderValue Blur() {
+        if (!IsAll(In("size", 0.0F), 0.0F)) {
+            _network.Warn("blur of " + _node.path + " is left out; its input is shown as it is");
+        }
+        return Vector("in", {}, _n);
+    }
+
     ShaderValue Triplanar() {
         const ShaderValue position = GeometryInput("position", Kind::Position);
         const ShaderValue normal = GeometryInput("normal", Kind::Normal);
@@ -530,6 +538,7 @@ constexpr PatternType kTypes[] = {
     {"gooch_shade", kPattern<&LibraryNode::GoochShade>},
     {"heighttonormal", kPattern<&LibraryNode::HeightToNormal>},
     {"bump", kPattern<&LibraryNode::Bump>},
+    {"blur", kPattern<&LibraryNode::Blur>},
     {"triplanarprojection", kPattern<&LibraryNode::Triplanar>},
     {"rotate3d", kPattern<&LibraryNode::Rotate3d>},
     {"reflect", kPattern<&LibraryNode::Reflect>},
