@@ -18,7 +18,8 @@ from stages import author, shapes
 from stages.materialX import AddNode
 
 _T = Sdf.ValueTypeNames
-_PIXELS = 12  # of a cube's place; a unit of the world is one pixel
+_PLACE = 6  # units of the world that a cube has for itself
+_PIXELS = 4  # of a unit
 _IN = {"transformpoint": (0.3, -0.7, 1.1), "transformvector": (0.5, 1.5, -0.25), "transformnormal": (0.2, 0.9, -0.4)}
 _CASES = [(kind, *spaces) for kind in _IN for spaces in (("object", "world"), ("world", "model"))]
 
@@ -145,16 +146,16 @@ class _Board:
         path = f"/World/M{row}"
         material = _Glow(self.stage, path, source(self.stage, path), scale)
         for column, (place, linear) in enumerate(self.columns.values()):
-            matrix = _Affine(linear, ((column + 0.5) * _PIXELS, (row + 0.5) * _PIXELS, 0))
+            matrix = _Affine(linear, ((column + 0.5) * _PLACE, (row + 0.5) * _PLACE, 0))
             self.matrices[row, column] = place(self.stage, f"/World/C{row}_{column}", material, matrix)
 
     def Save(self):
-        width, height = (len(n) * _PIXELS for n in (self.columns, self.rows))
+        width, height = (len(n) * _PLACE for n in (self.columns, self.rows))
         middle = (width / 2, height / 2)
         author.AddCamera(self.stage, eye=(*middle, 60), target=(*middle, 0), up=(0, 1, 0), width=10.0 * width, aspect=width / height,
                          orthographic=True)
         self.stage.GetRootLayer().Save()
-        self.size = (width, height)
+        self.size = (width * _PIXELS, height * _PIXELS)
         return self
 
     def Render(self, **settings):
@@ -162,7 +163,7 @@ class _Board:
 
     def At(self, picture, row, column, scale):
         """The four pixels in the middle of a cube, whose place is whatever its matrix says; as vectors."""
-        x, y = self.matrices[row, column][:2, 3]
+        x, y = self.matrices[row, column][:2, 3] * _PIXELS
         x, y = int(round(x)), int(round(self.size[1] - y))
         return (picture.rgb[y - 1 : y + 1, x - 1 : x + 1].reshape(-1, 3) - 0.5) / scale
 
@@ -229,7 +230,7 @@ def test_no_node_warns(board):
 
 @pytest.mark.parametrize("settings", [
     dict(traversal="scalar"), dict(traversal="simd8"), dict(traversal="flat", residency="resident"),
-    dict(residency="stream", geometryMemory="1MiB", chunkBytes=4096), dict(residency="stream", traversal="scalar"),
+    dict(residency="stream", geometryMemory="20%", chunkBytes=4096), dict(residency="stream", traversal="scalar"),
 ], ids=["scalar", "simd8", "flat", "streamed", "streamedScalar"])
 def test_bits_are_the_same_however_rays_find_them(board, settings):
     assert board.Render(**settings).layers["color"].tobytes() == board.picture.layers["color"].tobytes()
