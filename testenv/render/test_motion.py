@@ -174,8 +174,8 @@ def test_many_lights_that_change_have_fewer_parts_each(tmp_path):
     images, lines = [], []
     for count in (1000, 1100):
         lines.append([])
-        images.append(hdstream.Render(_Lit(tmp_path / f"{count}.usda", Add(count)), motion.FRAME, onWarning=lines[-1].append, **SETTINGS,
-                                      samples=64))
+        renderer = hdstream.Renderer(_Lit(tmp_path / f"{count}.usda", Add(count)), onWarning=lines[-1].append)
+        images.append(renderer.Render(motion.FRAME, **SETTINGS, samples=64))
     assert [image.statistics["accuracy"]["lightParts"] for image in images] == [128 * 1000, 64 * 1100]
     said = ["have 64 parts of it at most" in line for line in lines[1]]
     assert sum(said) == 1 and not any("parts of it" in line for line in lines[0])
