@@ -64,6 +64,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.programs = buffers.HasPrograms() || scene.hasPatterns;
     features.patterns = scene.hasPatterns || scene.hasClosures; // a factor alone computes nothing
     features.closures = scene.hasClosures;
+    features.transforms = scene.hasTransforms;
     features.autobump = scene.hasAutobump;
     features.lobes = scene.lobes;
     // Ray cones say how far aside a displaced surface is looked at.

@@ -71,6 +71,7 @@ private:
         _result->primMaterials = Handed(&_materials.primMaterials);
         _result->programs = Handed(&_materials.programs);
         _result->hasClosures = HasClosures(_result->programs);
+        _result->hasTransforms = HasTransforms(_result->programs);
         _result->hasAutobump = HasAutobump(_result->programs);
         _result->lobes = _materials.lobes;
         _result->hasMedia = _materials.hasMedia;

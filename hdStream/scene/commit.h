@@ -184,11 +184,12 @@ struct CommittedScene : CommittedPrims {
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
-    bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
-    bool hasClosures = false; ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
-    bool hasAutobump = false; ///< some displaced surface is bumped (HDS_FEATURE_AUTOBUMP)
-    std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
-    bool hasGroups = false;   ///< instances below instances
+    bool hasPatterns = false;   ///< some program computes (HDS_FEATURE_PATTERNS)
+    bool hasClosures = false;   ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
+    bool hasTransforms = false; ///< some program changes spaces (HDS_FEATURE_TRANSFORMS)
+    bool hasAutobump = false;   ///< some displaced surface is bumped (HDS_FEATURE_AUTOBUMP)
+    std::uint32_t lobes = 0;    ///< HDS_LOBE_* of layered surfaces
+    bool hasGroups = false;     ///< instances below instances
     bool hasInstanceChunks = false;
     float flatPart = 1.0F;  ///< Hierarchy::flatPart
     bool hasCurves = false; ///< or points, or splats

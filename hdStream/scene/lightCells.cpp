@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/lightCells.h"
 
+#include "hdStream/shading/lightShaping.h"
 #include "hdStream/shading/lightUnits.h"
 
 #include <glm/gtc/quaternion.hpp>
@@ -14,9 +15,10 @@ namespace hds {
 
 namespace {
 
-constexpr std::size_t kMostCells = 128;
 /// By how much of its greatest value a number may change from cell to cell.
 constexpr double kStep = 1.0 / 128.0;
+/// What transforms differ by that say the same.
+constexpr double kRounding = 1e-12;
 /// What is as small as that of its greatest size still has one.
 constexpr float kLeastSize = 1.0F / 65536.0F;
 
@@ -54,6 +56,21 @@ glm::dmat4 WithoutKeys(const glm::dmat4& pose, const glm::dvec3& pivot,
     return rest;
 }
 
+/// What of the transform counts. A distant light has a direction alone, unless it is shaped, and a
+/// sky without an image has none.
+glm::dmat4 TransformOf(const LightCell& cell) {
+    if (cell.light.type == LightType::Dome && cell.light.textureFile.authoredPath.empty()) {
+        return glm::dmat4(0.0);
+    }
+    const double length = glm::length(cell.worldFromLight[2]);
+    if (cell.light.type != LightType::Distant || !IsUnshaped(cell.light) || !(length > 0.0)) {
+        return cell.worldFromLight;
+    }
+    glm::dmat4 direction(0.0);
+    direction[2] = cell.worldFromLight[2] / length;
+    return direction;
+}
+
 /// All that may change of a cell and that its kind of light has, as numbers.
 std::array<double, 20> NumbersOf(const LightCell& cell) {
     std::array<double, 20> numbers{};
@@ -65,9 +82,10 @@ std::array<double, 20> NumbersOf(const LightCell& cell) {
     for (const Size& size : kSizes) {
         *out++ = size.IsOf(cell.light) ? double(cell.light.*size.value) : 0.0;
     }
+    const glm::dmat4 transform = TransformOf(cell);
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 3; ++row) {
-            *out++ = cell.worldFromLight[column][row];
+            *out++ = transform[column][row];
         }
     }
     return numbers;
@@ -102,7 +120,8 @@ double GreatestStep(const std::vector<LightCell>& cells) {
 
 std::vector<LightCell> MakeLightCells(const LightPrim& prim, const Shutter& shutter,
                                       const MovingTransform& worldFromLight,
-                                      const std::vector<LightKey>& keys, bool isRigid) {
+                                      const std::vector<LightKey>& keys, bool isRigid,
+                                      std::size_t most) {
     const bool isPlain = prim.samples.empty() || !shutter.IsOpen();
     const bool keepsPlace =
         (!keys.empty() && isRigid) || !worldFromLight.Moves() || !prim.portals.empty();
@@ -132,25 +151,23 @@ std::vector<LightCell> MakeLightCells(const LightPrim& prim, const Shutter& shut
         }
         return cells;
     };
-    std::vector<LightCell> cells = cut(kMostCells);
+    std::vector<LightCell> cells = cut(most);
     const double step = GreatestStep(cells);
     std::size_t count = 1;
-    while (count < kMostCells && step * double(kMostCells) / double(count) > kStep) {
+    while (count < most && step * double(most) / double(count) > kStep) {
         count *= 2;
     }
-    if (count < kMostCells) {
+    if (count < most) {
         cells = cut(count);
     }
-    const bool isAsForFrame =
-        cells.size() == 1 && NumbersOf(cells[0]) == NumbersOf(LightCell{prim.light, frame});
-    if (isAsForFrame) {
+    if (cells.size() == 1 && GreatestStep({cells[0], LightCell{prim.light, frame}}) <= kRounding) {
         return {};
     }
-    const LightDescription most = MostOf(prim.light, cells);
+    const LightDescription largest = MostOf(prim.light, cells);
     for (LightCell& cell : cells) {
         for (const Size& size : kSizes) {
             float& own = cell.light.*size.value;
-            own = std::max(own, kLeastSize * (most.*size.value));
+            own = std::max(own, kLeastSize * (largest.*size.value));
         }
     }
     return cells;

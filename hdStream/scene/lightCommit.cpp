@@ -8,13 +8,16 @@
 #include "hdStream/scene/lightCells.h"
 #include "hdStream/scene/placements.h"
 
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
 
 namespace hds {
@@ -27,21 +30,39 @@ constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
 /// Images of filters always lie in the light table: what is larger is averaged.
 constexpr std::uint32_t kMaxFilterTexels = 1024;
 
+/// Lights that change have at most that many records together, 24 MiB, unless each has but one:
+/// where more would be needed, all have fewer.
+constexpr std::size_t kMostLightRecords = 1U << 17U;
+
+bool IsNoTurn(const LightKey& key) {
+    constexpr double kRounding = 1e-12;
+    return glm::length(glm::dvec3(key.turn)) <= kRounding;
+}
+
 /// Where one placement of a light is over the shutter, and how it is.
 struct LightWay {
     std::vector<LightKey> keys;
     std::vector<LightCell> cells;
     bool hasPortals = false; ///< and would move
 
+    /// \param mostCells of MakeLightCells
     void Follow(const LightPrim& prim, const Shutter& shutter,
-                const MovingTransform& worldFromLight) {
+                const MovingTransform& worldFromLight, std::size_t mostCells) {
+        // What is at infinity has directions alone; filters and portals lie somewhere.
+        const LightType type = prim.light.type;
+        const bool isFar = (type == LightType::Distant || type == LightType::Dome) &&
+                           prim.filters.empty() && prim.portals.empty();
+        const MovingTransform way = isFar ? worldFromLight.Directions() : worldFromLight;
         bool isRigid = true;
-        keys = MakeLightKeys(worldFromLight, &isRigid);
+        keys = MakeLightKeys(way, &isRigid);
+        if (isFar && std::all_of(keys.begin(), keys.end(), IsNoTurn)) {
+            keys.clear();
+        }
         if (!keys.empty() && !prim.portals.empty()) {
             hasPortals = true;
             keys.clear();
         }
-        cells = MakeLightCells(prim, shutter, worldFromLight, keys, isRigid);
+        cells = MakeLightCells(prim, shutter, way, keys, isRigid, mostCells);
     }
 
     void Warn(const std::string& path, Warnings& warnings) const {
@@ -64,12 +85,16 @@ std::vector<Placed> PlacesOfFilters(const SceneDescription& scene, const LightPr
     return PlacementsOf(scene, place, Shutter());
 }
 
-std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
+/// \param mostCells of a light (MakeLightCells). \return nothing: there are too many together
+std::optional<std::vector<PlacedLight>> TryPlaceLights(const LightCommitInput& input,
+                                                       std::size_t mostCells, Warnings& warnings) {
     const SceneDescription& scene = *input.scene;
     const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -input.centre);
     std::vector<PlacedLight> placed;
+    std::size_t numCells = 0;
+    const auto areTooMany = [&] { return numCells > kMostLightRecords && mostCells > 1; };
     for (const auto& [path, prim] : scene.lights) {
-        if (!prim.placement.visible) {
+        if (!prim.placement.visible || areTooMany()) {
             continue;
         }
         LightDescription light = prim.light;
@@ -93,7 +118,11 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
         std::size_t number = 0;
         ForEachPlacement(scene, prim.placement, input.shutter,
                          [&](const MovingTransform& worldFromLight) {
-                             way.Follow(prim, input.shutter, worldFromLight);
+                             if (areTooMany()) {
+                                 return;
+                             }
+                             way.Follow(prim, input.shutter, worldFromLight, mostCells);
+                             numCells += way.cells.size();
                              place.worldFromLight = centreFromWorld * worldFromLight.AtFrame();
                              place.keys = way.keys;
                              place.cells = way.cells;
@@ -112,7 +141,21 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
                          });
         way.Warn(path, warnings);
     }
-    return placed;
+    return areTooMany() ? std::nullopt : std::optional(std::move(placed));
+}
+
+std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
+    std::size_t mostCells = kMostLightCells;
+    std::optional<std::vector<PlacedLight>> placed = TryPlaceLights(input, mostCells, warnings);
+    while (!placed) {
+        mostCells /= 2;
+        placed = TryPlaceLights(input, mostCells, warnings);
+    }
+    if (mostCells < kMostLightCells) {
+        warnings.Add("", "lights that change over the shutter have " + std::to_string(mostCells) +
+                             " parts of it at most, since there are many");
+    }
+    return std::move(*placed);
 }
 
 /// The image of a filter, at most kMaxFilterTexels in width and height; null, after a warning, when

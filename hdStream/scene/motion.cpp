@@ -13,6 +13,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 namespace hds {
 
@@ -63,16 +64,44 @@ glm::dmat4 Interpolate(const Decomposed& a, const Decomposed& b, double part) {
     return matrix;
 }
 
-/// Samples, decomposed once.
+/// Of a matrix that maps space onto a plane: it has one for each side that the determinant may be
+/// of. Nothing: it maps onto less, and any rotation is one of it. \param isMirrored the side
+std::optional<glm::dquat> RotationOfFlat(const glm::dmat4& matrix, bool isMirrored) {
+    const glm::dmat4 thick = ThickenFlat(matrix);
+    if (!IsUsableTransform(thick)) {
+        return std::nullopt;
+    }
+    return Decompose(isMirrored ? 2.0 * matrix - thick : thick).rotation;
+}
+
+/// Samples, decomposed once. What has no rotation of its own has that of the sample before, else of
+/// the one behind: so what grows from nothing turns while it does.
 class PoseCurve {
 public:
     explicit PoseCurve(std::vector<TransformSample> samples) : _samples(std::move(samples)) {
-        _isLinear =
-            !std::all_of(_samples.begin(), _samples.end(), [](const TransformSample& sample) {
+        const auto usable =
+            std::find_if(_samples.begin(), _samples.end(), [](const TransformSample& sample) {
                 return IsUsableTransform(sample.matrix);
             });
-        for (std::size_t i = 0; !_isLinear && i < _samples.size(); ++i) {
-            _poses.push_back(Decompose(_samples[i].matrix));
+        const bool isMirrored =
+            usable != _samples.end() && glm::determinant(glm::dmat3(usable->matrix)) < 0.0;
+        std::optional<glm::dquat> last;
+        std::size_t numWithout = 0; // at the beginning
+        for (const TransformSample& sample : _samples) {
+            Decomposed pose;
+            if (IsUsableTransform(sample.matrix)) {
+                pose = Decompose(sample.matrix);
+                last = pose.rotation;
+            } else {
+                const auto own = RotationOfFlat(sample.matrix, isMirrored);
+                last = own ? own : last;
+                numWithout += last ? 0 : 1;
+                pose = WithRotation(sample.matrix, last.value_or(pose.rotation));
+            }
+            _poses.push_back(pose);
+        }
+        for (std::size_t i = 0; i < numWithout && numWithout < _poses.size(); ++i) {
+            _poses[i] = WithRotation(_samples[i].matrix, _poses[numWithout].rotation);
         }
     }
 
@@ -90,9 +119,6 @@ public:
         const TransformSample& before = _samples[i - 1];
         const double part = (time - before.time) / (after->time - before.time);
         const glm::dmat4 between = (1.0 - part) * before.matrix + part * after->matrix;
-        if (_isLinear) {
-            return between;
-        }
         if (glm::dmat3(before.matrix) == glm::dmat3(after->matrix)) {
             glm::dmat4 matrix = before.matrix; // to the bit but for the translation
             matrix[3] = between[3];
@@ -102,9 +128,13 @@ public:
     }
 
 private:
+    static Decomposed WithRotation(const glm::dmat4& matrix, const glm::dquat& rotation) {
+        return {glm::dvec3(matrix[3]), rotation,
+                glm::transpose(glm::mat3_cast(rotation)) * glm::dmat3(matrix)};
+    }
+
     std::vector<TransformSample> _samples;
-    std::vector<Decomposed> _poses; ///< of the samples, unless _isLinear
-    bool _isLinear = false;         ///< some matrix has no rotation
+    std::vector<Decomposed> _poses; ///< of the samples
 };
 
 std::array<glm::dvec3, 8> CornersOf(const Bounds& bounds, const glm::dmat4& matrix) {
@@ -166,6 +196,19 @@ MovingTransform::MovingTransform(const glm::dmat4& atFrame,
                                         : shutter.close);
         };
     }
+}
+
+MovingTransform MovingTransform::Directions() const {
+    const auto directions = [](glm::dmat4 matrix) {
+        const double size = std::cbrt(std::abs(glm::determinant(glm::dmat3(matrix))));
+        matrix = glm::dmat4(glm::dmat3(matrix));
+        return size > 0.0 ? glm::dmat4(glm::dmat3(matrix) / size) : matrix;
+    };
+    MovingTransform result(directions(_transform));
+    if (Moves()) {
+        result._at = [directions, at = _at](double time) { return directions(at(time)); };
+    }
+    return result;
 }
 
 MovingTransform operator*(const MovingTransform& outer, const MovingTransform& inner) {

@@ -37,6 +37,9 @@ public:
     /// \param time 0: the shutter opens, 1: it closes.
     glm::dmat4 At(double time) const { return _at ? _at(time) : _transform; }
 
+    /// The directions that it gives: without its translation and its size, where it has one.
+    MovingTransform Directions() const;
+
     /// outer * inner at each time.
     friend MovingTransform operator*(const MovingTransform& outer, const MovingTransform& inner);
 

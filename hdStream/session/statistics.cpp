@@ -195,6 +195,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
         {"endedPasses", render.endedPasses},
         {"endedWalks", render.endedWalks},
         {"deepCrowded", render.deepCrowded},
+        {"lightParts", in.scene->lights->numCells},
         {"meanRelativeError", render.meanRelativeError ? Json(*render.meanRelativeError) : Json()}};
     stats["wave"] = {
         {"size", render.waveSize},

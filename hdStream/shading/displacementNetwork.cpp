@@ -68,6 +68,9 @@ private:
                 _problem = "the position in world space";
             }
             return step;
+        case Kind::ToSpace:
+            _problem = "the transform of an instance";
+            return step;
         case Kind::Affine:
             step.kind = StepKind::Affine;
             step.rows = expression.rows;

@@ -256,18 +256,7 @@ public:
             {number == 0 ? Coordinates()
                          : MakePrimvar("st" + std::to_string(number), MakeConstant({}, 2), 2)});
     }
-    static ShaderValue View() {
-        auto expression = std::make_shared<ShaderExpression>();
-        expression->kind = Kind::View;
-        return {std::move(expression), HDS_CHANNEL_ALL, 3};
-    }
-    ShaderValue ViewDirection() {
-        const std::string space = _network.Text(_node, "space");
-        if (!space.empty() && space != "world") {
-            _network.Warn("space of " + _node.path + " is " + space + "; world is used");
-        }
-        return View();
-    }
+    static ShaderValue View() { return MakeGeometry(Kind::View, 0); }
     ShaderValue FacingRatio() {
         const ShaderValue authored = _network.Evaluate(_node, "viewdirection");
         const ShaderValue normal = _network.Evaluate(_node, "normal");
@@ -354,6 +343,14 @@ public:
     /// In tangent space, as normalmap.
     ShaderValue Bump() {
         return SignedNormal(NormalOf("height", MakeScalar(1.0F)), In("scale", 1.0F));
+    }
+
+    /// Its input, which is all that it is by default; more is left out.
+    ShaderValue Blur() {
+        if (!IsAll(In("size", 0.0F), 0.0F)) {
+            _network.Warn("blur of " + _node.path + " is left out; its input is shown as it is");
+        }
+        return Vector("in", {}, _n);
     }
 
     ShaderValue Triplanar() {
@@ -537,11 +534,11 @@ constexpr PatternType kTypes[] = {
     {"time", kPattern<&LibraryNode::Time>},
     {"tangent", kPattern<&LibraryNode::Tangent<0>>},
     {"bitangent", kPattern<&LibraryNode::Tangent<HDS_TANGENT_ACROSS>>},
-    {"viewdirection", kPattern<&LibraryNode::ViewDirection>},
     {"facingratio", kPattern<&LibraryNode::FacingRatio>},
     {"gooch_shade", kPattern<&LibraryNode::GoochShade>},
     {"heighttonormal", kPattern<&LibraryNode::HeightToNormal>},
     {"bump", kPattern<&LibraryNode::Bump>},
+    {"blur", kPattern<&LibraryNode::Blur>},
     {"triplanarprojection", kPattern<&LibraryNode::Triplanar>},
     {"rotate3d", kPattern<&LibraryNode::Rotate3d>},
     {"reflect", kPattern<&LibraryNode::Reflect>},

@@ -48,6 +48,7 @@ struct LightTable {
     std::vector<shared::HdsLightTriangle> triangles;
     std::vector<float> cdf;           ///< lightCdf
     std::uint32_t numImages = 0;      ///< of the lights, so many have an image
+    std::uint64_t numCells = 0;       ///< records of parts of the shutter, of lights that change
     bool hasShaping = false;          ///< some light is shaped
     bool hasControls = false;         ///< some is linked, or has multipliers or shadow controls
     bool hasMotion = false;           ///< some light moves while the shutter is open

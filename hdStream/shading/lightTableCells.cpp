@@ -71,6 +71,7 @@ void LightTableBuilder::AddCells(const PlacedLight& placed, double factor, share
     const std::size_t bytes = records.size() * sizeof(records[0]);
     _table.cdf.resize(_table.cdf.size() + bytes / sizeof(_table.cdf[0]));
     std::memcpy(&_table.cdf[controls->cellBase], records.data(), bytes);
+    _table.numCells += records.size();
     _table.hasMotion = true;
 }
 

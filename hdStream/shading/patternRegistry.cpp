@@ -18,7 +18,7 @@ const TypeByIdName& Types() {
         TypeByIdName types;
         for (const PatternTable& table :
              {StandardNodes(), LibraryNodes(), ColorNodes(), FlakeNodes(), MapNodes(),
-              MatrixNodes(), PbrNodes(), ShapeNodes(), UsdNodes()}) {
+              MatrixNodes(), PbrNodes(), ShapeNodes(), SpaceNodes(), UsdNodes()}) {
             for (const PatternType& type : table) {
                 const std::string_view idName = type.idName.empty() ? type.name : type.idName;
                 HDS_VERIFY(types.emplace(idName, &type).second, "two nodes of one name");

@@ -47,6 +47,7 @@ PatternTable MapNodes();
 PatternTable MatrixNodes();
 PatternTable PbrNodes();
 PatternTable ShapeNodes();
+PatternTable SpaceNodes();
 PatternTable UsdNodes();
 
 /// The type of a shader id: the longest name that the id, or what follows "ND_" in it, is, or

@@ -29,6 +29,7 @@ std::uint32_t ProgramDepth::Of(const ShaderExpression& expression) {
 std::uint32_t ProgramDepth::Find(const ShaderExpression& expression) {
     switch (expression.kind) {
     case Kind::Math:
+    case Kind::ToSpace:
         return OfOperands(expression, 0, 0);
     case Kind::Texture:
         return AreConstant(expression, 1) ? OfCoordinates(expression.operands[0])

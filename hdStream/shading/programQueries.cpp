@@ -36,6 +36,15 @@ std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t 
     return count;
 }
 
+bool HasOperation(const std::vector<std::uint32_t>& programs, std::uint32_t operation) {
+    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
+        if (OperationAt(programs, at) == operation) {
+            return true;
+        }
+    }
+    return false;
+}
+
 } // namespace
 
 std::uint32_t CountLookups(const std::vector<std::uint32_t>& program) {
@@ -66,22 +75,16 @@ bool HasClosures(const std::vector<std::uint32_t>& programs) {
     return false;
 }
 
+bool HasTransforms(const std::vector<std::uint32_t>& programs) {
+    return HasOperation(programs, HDS_OP_TO_SPACE);
+}
+
 bool HasAutobump(const std::vector<std::uint32_t>& programs) {
-    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        if (OperationAt(programs, at) == HDS_OP_AUTOBUMP) {
-            return true;
-        }
-    }
-    return false;
+    return HasOperation(programs, HDS_OP_AUTOBUMP);
 }
 
 bool HasInside(const std::vector<std::uint32_t>& programs) {
-    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        if (OperationAt(programs, at) == HDS_OP_INSIDE) {
-            return true;
-        }
-    }
-    return false;
+    return HasOperation(programs, HDS_OP_INSIDE);
 }
 
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
@@ -115,14 +118,17 @@ bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
 void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
                      const std::array<float, 3>& offset) {
     for (std::size_t at = 0; at < programs->size(); at += 1 + NumOperands(*programs, at)) {
-        if ((*programs)[at] != HDS_OP(HDS_OP_POSITION, space)) {
+        std::size_t first = at + 1;
+        if (OperationAt(*programs, at) == HDS_OP_TO_SPACE) {
+            first += std::size_t{3} * space;
+        } else if ((*programs)[at] != HDS_OP(HDS_OP_POSITION, space)) {
             continue;
         }
         for (std::size_t k = 0; k < 3; ++k) {
             float value = 0.0F;
-            std::memcpy(&value, &(*programs)[at + 1 + k], sizeof(value));
+            std::memcpy(&value, &(*programs)[first + k], sizeof(value));
             value += offset[k];
-            std::memcpy(&(*programs)[at + 1 + k], &value, sizeof(value));
+            std::memcpy(&(*programs)[first + k], &value, sizeof(value));
         }
     }
 }

@@ -39,7 +39,8 @@ bool HasDerivatives(const ShaderValue& coordinates) {
 using UseCounts = std::map<const ShaderExpression*, std::uint32_t>;
 
 bool IsShareable(const ShaderExpression& expression) {
-    return expression.kind == Kind::Math || expression.kind == Kind::Texture;
+    return expression.kind == Kind::Math || expression.kind == Kind::Texture ||
+           expression.kind == Kind::ToSpace;
 }
 
 /// What is below an expression that is written at each use is used as often; twice says all.
@@ -294,6 +295,13 @@ private:
         case Kind::View:
             Emit(HDS_OP(HDS_OP_VIEW, 0U));
             Grow(1);
+            break;
+        case Kind::ToSpace:
+            Push(expression.operands[0]);
+            Emit(HDS_OP(HDS_OP_TO_SPACE, expression.code));
+            for (int i = 0; i < 6; ++i) {
+                EmitFloat(0.0F);
+            }
             break;
         case Kind::Chance:
             Emit(HDS_OP(HDS_OP_CHANCE, 0U));

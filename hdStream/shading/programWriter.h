@@ -39,8 +39,8 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                                         std::uint32_t tangentSlot = HDS_NONE,
                                         const ProgramRelief& relief = {});
 
-/// Adds to the offsets of all positions of a space (HDS_SPACE_*) in programs that lie one after
-/// another.
+/// Adds to the offsets of all positions and carried points of a space (HDS_SPACE_*) in programs
+/// that lie one after another.
 void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
                      const std::array<float, 3>& offset);
 
@@ -53,6 +53,9 @@ bool HasClosures(const std::vector<std::uint32_t>& programs);
 
 /// Whether some instruction asks for the side of glass that is seen (HDS_LOBE_COVERED).
 bool HasInside(const std::vector<std::uint32_t>& programs);
+
+/// Whether some program carries points or vectors to another space (HDS_FEATURE_TRANSFORMS).
+bool HasTransforms(const std::vector<std::uint32_t>& programs);
 
 /// Whether some hit is bumped by what its triangles lack of displacement (HDS_FEATURE_AUTOBUMP).
 bool HasAutobump(const std::vector<std::uint32_t>& programs);

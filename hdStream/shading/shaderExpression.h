@@ -39,6 +39,7 @@ struct ShaderExpression {
         Normal,      ///< in HDS_SPACE_* `code`
         Tangent,     ///< in HDS_SPACE_* `code`, with HDS_TANGENT_ACROSS; operands: coordinates
         View,        ///< unit direction from the viewer
+        ToSpace,     ///< carried to HDS_SPACE_* `code`, with HDS_CARRIES_*; operands: value
         Chance,      ///< the number of the hit by which it takes one of several closures
         Inside,      ///< 1 where the viewer is inside of a surface that is no thin wall, else 0
         Shifted,     ///< as it is where HDS_SHIFT_* `code` leads; operands: value, coordinates
@@ -49,7 +50,7 @@ struct ShaderExpression {
     std::vector<ShaderValue> operands;
     std::vector<std::uint32_t> tiles; ///< Texture: of CompiledMaterial::textures; HDS_NONE: a hole
     std::uint32_t lookup = 0;         ///< Texture: HDS_LOOKUP_* without those the writer decides
-    std::uint32_t code = 0;           ///< Math, Position, Normal, Tangent, Shifted
+    std::uint32_t code = 0;           ///< Math, Position, Normal, Tangent, ToSpace, Shifted
     std::uint32_t numComponents = 0;  ///< Math: of its value; 1: it is in all four components
     std::array<double, 6> rows{};     ///< Affine: (m00, m01, m02), (m10, m11, m12)
 };

@@ -24,6 +24,8 @@ std::uint32_t OperandComponents(const ShaderExpression& expression, std::size_t 
         return 2;
     case Kind::Shifted:
         return operand == 0 ? 1 : 2;
+    case Kind::ToSpace:
+        return 3;
     case Kind::Math:
         return std::min(expression.operands[operand].numComponents, 3U);
     default:

@@ -40,6 +40,11 @@ enum {
 #define HDS_SPACE_WORLD 1u
 #define HDS_TANGENT_ACROSS 2u
 
+/* What HDS_OP_TO_SPACE carries. */
+#define HDS_CARRIES_POINT 0u
+#define HDS_CARRIES_VECTOR 2u
+#define HDS_CARRIES_NORMAL 4u /* by the inverse transpose; its length is any */
+
 #define HDS_SHIFT_BACK 0u
 #define HDS_SHIFT_S 1u /* along s */
 #define HDS_SHIFT_T 2u

@@ -165,6 +165,24 @@ def Nested(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def Spaces(path) -> None:
+    """The bricks of Nested, with colours by what their instances do to points and normals."""
+    Nested(path)
+    stage, types = Usd.Stage.Open(str(path)), Sdf.ValueTypeNames
+    at = materialX.AddNode(stage, "/World/Look/At", "ND_transformpoint_vector3", types.Vector3f, fromspace="object", tospace="world",
+                           **{"in": (0.2, 0.9, 0.4)})
+    up = materialX.AddNode(stage, "/World/Look/Up", "ND_transformnormal_vector3", types.Vector3f, fromspace="world", tospace="model",
+                           **{"in": (0.3, 0.8, -0.5)})
+    both = materialX.AddNode(stage, "/World/Look/Sum", "ND_add_vector3", types.Vector3f, in1=at, in2=up)
+    color = materialX.AddNode(stage, "/World/Look/Color", "ND_convert_vector3_color3", types.Color3f, **{"in": (
+        materialX.AddNode(stage, "/World/Look/Abs", "ND_absval_vector3", types.Vector3f, **{"in": both}))})
+    material = materialX.AddSurface(stage, "/World/Look", base_color=color, specular_roughness=0.4)
+    for prim in stage.Traverse():
+        if prim.GetName() == "Brick":
+            author.Bind(prim, material)
+    stage.GetRootLayer().Save()
+
+
 def InsideGlass(path) -> None:
     """Bodies of smooth glass, which take no light samples inside but those of a point, between surfaces that do; round lamps, one of
     them in a body."""

@@ -308,6 +308,7 @@ _CASES = {
     "disjointover": (np.array(_A) + np.array(_B) * (0.6 / 0.7), "disjointover", "color4", dict(fg=_FRONT, bg=_BACK)),
     "disjointover_apart": (0.5 * (np.array(_A) + 2 * np.array(_B)), "disjointover", "color4",
                            dict(fg=_FRONT, bg=(*_B, 0.5), mix=0.5)),
+    "blur": (_A, "blur", "color3", {"in": _A}),
     "anisotropy_image": (0.9 * 0.5, "gltf_anisotropy_image", "", dict(file="z.exr", texcoord=(0.25, 0.6), anisotropy_strength=0.5)),
     "viewdirection": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("viewdirection", "vector3", {})})),
     "facingratio": (1.0, "facingratio", "float", {}),
@@ -472,6 +473,14 @@ def test_bumps_turn_the_surface(bumps, name):
     normal = np.array(_BUMPS[name][0], float)
     cosine = normal @ _LIGHT / np.linalg.norm(normal)
     assert bumps.Pixels(name)[:, :3] == pytest.approx(0.8 / np.pi * cosine, rel=2e-3), name  # irradiance 1
+
+
+def test_what_is_not_blurred_is_said(tmp_path):
+    result = Strip(tmp_path / "strip.usda")
+    result.Add("blur", _Glowing(tmp_path, (0, "blur", "color3", {"in": _A, "size": 0.5, "filtertype": "gaussian"})))
+    result.Render()
+    assert result.Pixels("blur")[:, :3] == pytest.approx(np.tile(_A, (4, 1)), abs=1e-6)
+    assert sum("is left out; its input is shown as it is" in line for line in result.picture.warnings) == 1
 
 
 def test_no_node_warns(strip):

@@ -118,3 +118,66 @@ def test_what_emits_moves_as_what_does_not(tmp_path):
     assert not [line for line in lines if "blurred" in line]
     assert 0.0 < (pictures[0] % 1.0 > 0.0).mean(), "nothing is blurred"
     assert pictures[0].tobytes() == pictures[1].tobytes()
+
+
+def _Lit(path, light, shutter=motion.SHUTTER):
+    """A floor below what `light(stage)` adds."""
+    stage = author.NewStage(path)
+    light(stage)
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(6, 6), color=(0.8, 0.7, 0.6), translate=(0, 0, 0))
+    camera = author.AddCamera(stage, eye=(0, 3, 6), focalLength=40.0)
+    camera.CreateShutterOpenAttr(shutter[0])
+    camera.CreateShutterCloseAttr(shutter[1])
+    stage.GetRootLayer().Save()
+    return path
+
+
+def _Scaled(stage, path, scales):
+    scale = UsdGeom.Xform.Define(stage, path).AddScaleOp()
+    for time, value in zip((motion.FRAME - 1, motion.FRAME + 1), scales):
+        scale.Set(Gf.Vec3f(*value), time)
+
+
+def test_lights_at_infinity_know_of_no_scale(tmp_path):
+    """Suns and skies below scales and slides rest: the bits, and the kernels, of a closed shutter."""
+    def Add(stage):
+        _Scaled(stage, "/World/Sizes", [(0.5,) * 3, (2.0,) * 3])
+        _Scaled(stage, "/World/Sizes/Tall", [(1.0, 1.0, 1.0), (1.0, 3.0, 1.0)])
+        author.AddLight(stage, "/World/Sizes/Sky", "Dome", dict(rotate=(20, 30, 0)), intensity=0.3)
+        sun = author.AddLight(stage, "/World/Sizes/Tall/Sun", "Distant", intensity=2.0)  # along z
+        UsdGeom.Xformable(sun).AddRotateXOp().Set(-90.0)  # down, along the scale
+        slide = UsdGeom.Xform.Define(stage, "/World/Slides").AddTranslateOp()
+        slide.Set(Gf.Vec3d(-1, 0, 0), motion.FRAME - 1)
+        slide.Set(Gf.Vec3d(1, 2, 0), motion.FRAME + 1)
+        author.AddLight(stage, "/World/Slides/Sun", "Distant", dict(rotate=(-60, 20, 0)), intensity=1.0, angle=5.0)
+
+    opened, closed = (hdstream.Render(_Lit(tmp_path / f"{i}.usda", Add, shutter), motion.FRAME, **SETTINGS, samples=4)
+                      for i, shutter in enumerate((motion.SHUTTER, (0.0, 0.0))))
+    assert opened.statistics["accuracy"]["lightParts"] == 0
+    assert opened.aovs["color"].tobytes() == closed.aovs["color"].tobytes()
+
+
+def test_many_lights_that_change_have_fewer_parts_each(tmp_path):
+    """At most 2^17 together; a line and the statistics tell. The mean over the shutter stays that of each light."""
+    def Add(count):
+        def Author(stage):
+            instancer = UsdGeom.PointInstancer.Define(stage, "/World/Lamps")
+            instancer.CreatePositionsAttr([(0.1 * (i % 40) - 2.0, 3.0, 0.1 * (i // 40) - 1.5) for i in range(count)])
+            instancer.CreateProtoIndicesAttr([0] * count)
+            lamp = author.AddLight(stage, "/World/Lamps/Lamp", "Sphere", radius=0.02, normalize=True)
+            for time, intensity in ((motion.FRAME - 1, 0.0), (motion.FRAME + 1, 80.0 / count)):
+                lamp.GetIntensityAttr().Set(intensity, time)
+            instancer.CreatePrototypesRel().SetTargets(["/World/Lamps/Lamp"])
+
+        return Author
+
+    images, lines = [], []
+    for count in (1000, 1100):
+        lines.append([])
+        renderer = hdstream.Renderer(_Lit(tmp_path / f"{count}.usda", Add(count)), onWarning=lines[-1].append)
+        images.append(renderer.Render(motion.FRAME, **SETTINGS, samples=64))
+    assert [image.statistics["accuracy"]["lightParts"] for image in images] == [128 * 1000, 64 * 1100]
+    said = ["have 64 parts of it at most" in line for line in lines[1]]
+    assert sum(said) == 1 and not any("parts of it" in line for line in lines[0])
+    means = [image.aovs["color"][..., :3].mean() for image in images]
+    assert means[0] == pytest.approx(means[1], rel=0.02)

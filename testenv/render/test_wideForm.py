@@ -33,7 +33,7 @@ def Kernels(tmp_path_factory):
 
 
 @pytest.mark.parametrize("write", [formStages.EveryLight, formStages.Layered, formStages.Stacked, formStages.Media, formStages.Hair,
-                                   formStages.Textured, formStages.ManyLights, formStages.FewShaped, formStages.Nested,
+                                   formStages.Textured, formStages.ManyLights, formStages.FewShaped, formStages.Nested, formStages.Spaces,
                                    formStages.Displaced, formStages.InsideGlass, formStages.Smooth], ids=lambda write: write.__name__)
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"

@@ -332,6 +332,17 @@ def _AddStretchedLights(stage):
                         intensity=1.0, radius=0.1)
 
 
+def _AddFlatLights(stage):
+    """Lights that have no extent along z by their scale, which is nothing for them, and turn fast, one about a slanted axis."""
+    _Box(stage, "/World/Box")
+    for name, kind, where, tilt, size in (("Disk", "Disk", (-1.8, 0.5, 1.2), 0.0, dict(radius=0.7)),
+                                          ("Panel", "Rect", (1.6, 0.2, 1.6), 40.0, dict(width=1.2, height=0.3))):
+        light = author.AddLight(stage, f"/World/{name}", kind, intensity=8.0, **size)
+        AddWay(light, where, (where[0] + 0.4, where[1] - 0.3, where[2]), degrees=500.0)
+        UsdGeom.Xformable(light).AddRotateXOp().Set(tilt)
+        UsdGeom.Xformable(light).AddScaleOp().Set(Gf.Vec3f(1.0, 1.2, 0.0))
+
+
 def _AddGlow(stage):
     """Boxes that emit, by material, below an instancer that turns: each moves, turns and grows. And a panel near the wall,
     which the camera does not see, whose area becomes 64 times as large: the density at hits is that of the time."""
@@ -475,7 +486,7 @@ KEYS = {
 LIGHTS = {
     "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm,
     "glow": _AddGlow, "beam": _AddBeam, "flame": _AddFlame, "growingLights": _AddGrowingLights, "flicker": _AddFlicker,
-    "stretchedLights": _AddStretchedLights,
+    "stretchedLights": _AddStretchedLights, "flatLights": _AddFlatLights,
 }
 # Shapes that are not authored point by point.
 SHAPES = motionShapes.SCENES

@@ -133,6 +133,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"flatCopies", {"flat", "simd8"}},                  // or trees in it
         {"requestsFirst", {"streaming"}},                   // asks for pages that are missing
         {"pageHash", {"instanceChunks", "streaming"}},      // looks those of many instances up
+        {"transforms", {"patterns", "programs"}},           // are what programs compute
         {"autobump", {"patterns", "programs", "textures"}}, // looks aside by ray cones
     };
     for (const auto& [name, needs] : AllNeeds()) {

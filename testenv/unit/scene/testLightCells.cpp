@@ -121,6 +121,47 @@ TEST(LightCells, FlatLightsThatMoveHaveAllOfTheirMotion) {
     EXPECT_NEAR(cells.back().worldFromLight[3].x, 2.0, 2.0 / 128.0);
 }
 
+/// A radius that grows threefold, in at most so many parts.
+TEST(LightCells, ThereAreAsManyAsThereMayBe) {
+    const LightPrim prim = Ball({{-0.5, 1.0F}, {0.5, 3.0F}});
+    for (const std::size_t most : {1U, 4U, 64U}) {
+        const std::vector<LightCell> cells =
+            MakeLightCells(prim, kShutter, MovingTransform(glm::dmat4(1.0)), {}, true, most);
+        ASSERT_EQ(cells.size(), most);
+        EXPECT_NEAR(cells[0].light.radius, 1.0 + 1.0 / double(most), 1e-6);
+    }
+}
+
+TEST(LightCells, LightsAtInfinityChangeWithDirectionsAlone) {
+    const auto stretched = [](double height) {
+        return glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, height, 2.0 * height));
+    };
+    const MovingTransform way(stretched(1.0), {{-0.5, stretched(0.5)}, {0.5, stretched(2.0)}},
+                              kShutter);
+    LightPrim sun;
+    sun.light.type = LightType::Distant;
+    EXPECT_TRUE(MakeLightCells(sun, kShutter, way, {}, false).empty());
+    sun.light.shaping.focus = 2.0F; // along axes that are stretched
+    EXPECT_FALSE(MakeLightCells(sun, kShutter, way, {}, false).empty());
+    LightPrim sky;
+    sky.light.type = LightType::Dome;
+    EXPECT_TRUE(MakeLightCells(sky, kShutter, way, {}, false).empty());
+    sky.light.textureFile.authoredPath = "sky.exr"; // which is stretched
+    EXPECT_FALSE(MakeLightCells(sky, kShutter, way, {}, false).empty());
+    const LightPrim ball = Ball({});
+    EXPECT_FALSE(MakeLightCells(ball, kShutter, way, {}, false).empty());
+    // A slanted one is turned by a stretch.
+    const auto slanted = [&](double height) {
+        return stretched(height) * glm::rotate(glm::dmat4(1.0), 0.5, glm::dvec3(1.0, 0.0, 0.0)) *
+               glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 1.0, 0.5));
+    };
+    const glm::dmat4 tall = glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 3.0, 1.0));
+    const MovingTransform turns(slanted(1.0), {{-0.5, slanted(1.0)}, {0.5, tall * slanted(1.0)}},
+                                kShutter);
+    sun.light.shaping.focus = 0.0F;
+    EXPECT_FALSE(MakeLightCells(sun, kShutter, turns, {}, false).empty());
+}
+
 TEST(LightCells, MostIsTheLargestAndTheBrightest) {
     LightPrim prim = Ball({{-0.5, 3.0F}, {0.5, 1.0F}});
     prim.samples[0].intensity = 0.0F;

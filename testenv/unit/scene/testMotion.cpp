@@ -56,6 +56,43 @@ TEST(Motion, MirroredAndStretchedTransformsStaySo) {
     }
 }
 
+/// Scales of 0 take away extent, not the way that what is left of it turns.
+TEST(Motion, FlatTransformsTurnAsOthersDo) {
+    for (const glm::dvec3& scale :
+         {glm::dvec3(2.0, 1.0, 0.0), glm::dvec3(0.0, 2.0, 1.0), glm::dvec3(-2.0, 0.0, 1.0)}) {
+        const std::vector<TransformSample> samples{{0.0, glm::scale(Turned(10.0), scale)},
+                                                   {1.0, glm::scale(Turned(130.0), scale)}};
+        for (const double time : {0.25, 0.5, 0.75}) {
+            const glm::dmat4 pose = InterpolateTransform(samples, time);
+            const glm::dmat4 expected = glm::scale(Turned(10.0 + 120.0 * time), scale);
+            for (int column = 0; column < 4; ++column) {
+                EXPECT_LT(glm::distance(pose[column], expected[column]), 1e-9) << time;
+            }
+        }
+    }
+    // A mirror image that is flat at its end stays one on the way.
+    const std::vector<TransformSample> mirrored{
+        {0.0, glm::scale(Turned(0.0), glm::dvec3(-1.0, 1.0, 1.0))},
+        {1.0, glm::scale(Turned(60.0), glm::dvec3(-1.0, 1.0, 0.0))}};
+    const glm::dmat4 half = InterpolateTransform(mirrored, 0.5);
+    const glm::dmat4 expected = glm::scale(Turned(30.0), glm::dvec3(-1.0, 1.0, 0.5));
+    for (int column = 0; column < 4; ++column) {
+        EXPECT_LT(glm::distance(half[column], expected[column]), 1e-9);
+    }
+    // What is nothing at first, and what is nothing in the middle, have the rotation beside.
+    const glm::dmat4 nothing = glm::scale(Turned(0.0), glm::dvec3(0.0));
+    for (const std::vector<TransformSample>& samples :
+         {std::vector<TransformSample>{{0.0, nothing}, {1.0, Turned(50.0)}, {2.0, Turned(150.0)}},
+          std::vector<TransformSample>{
+              {1.0, Turned(50.0)}, {2.0, Turned(150.0)}, {3.0, nothing}}}) {
+        const glm::dmat4 pose = InterpolateTransform(samples, 1.5);
+        EXPECT_LT(glm::distance(pose[0], Turned(100.0)[0]), 1e-9);
+        const bool isFirst = samples[0].time < 1.0;
+        const glm::dmat4 small = InterpolateTransform(samples, isFirst ? 0.5 : 2.5);
+        EXPECT_LT(glm::distance(small[0], 0.5 * Turned(isFirst ? 50.0 : 150.0)[0]), 1e-9);
+    }
+}
+
 TEST(Motion, SamplesAreCutToTheShutter) {
     const glm::dmat4 one(1.0);
     const glm::dmat4 moved = glm::translate(one, glm::dvec3(4.0, 0.0, 0.0));
