@@ -8,6 +8,7 @@
 #include <pxr/base/tf/error.h>
 #include <pxr/base/tf/errorMark.h>
 #include <pxr/base/tf/stringUtils.h>
+#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 
 #include <algorithm>
@@ -146,7 +147,8 @@ hds::MaterialNetwork BestNetwork(HdSceneDelegate* delegate, const SdfPath& id,
 
 } // namespace
 
-HdStreamMaterial::HdStreamMaterial(const SdfPath& id) : HdMaterial(id) {}
+HdStreamMaterial::HdStreamMaterial(const SdfPath& id, HdStreamMaterialFrames* frames)
+    : HdMaterial(id), _frames(*frames) {}
 
 HdDirtyBits HdStreamMaterial::GetInitialDirtyBitsMask() const {
     return AllDirty;
@@ -162,6 +164,7 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
         auto network = std::make_shared<hds::MaterialNetwork>(
             BestNetwork(delegate, GetId(), SdfPath(_scenePath), param));
         HdStreamFixMaterial(param->Exporter(), network.get());
+        _frames.Tell(_scenePath, delegate->GetRenderIndex().GetTerminalSceneIndex(), network.get());
         param->Push([path = _scenePath, network](hds::Session& session) {
             session.SetMaterial(path, network);
         });
@@ -171,6 +174,7 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
 
 void HdStreamMaterial::Finalize(HdRenderParam* renderParam) {
     if (!_scenePath.empty()) {
+        _frames.Remove(_scenePath);
         static_cast<HdStreamRenderParam*>(renderParam)
             ->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
     }

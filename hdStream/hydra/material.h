@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hdStream/hydra/materialFrames.h"
+
 #include <pxr/imaging/hd/material.h>
 #include <pxr/pxr.h>
 
@@ -11,7 +13,8 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// A material of Hydra on its way into the core. Synced in parallel with other materials.
 class HdStreamMaterial final : public HdMaterial {
 public:
-    explicit HdStreamMaterial(const SdfPath& id);
+    /// \param frames of the delegate; must outlive it.
+    HdStreamMaterial(const SdfPath& id, HdStreamMaterialFrames* frames);
 
     HdDirtyBits GetInitialDirtyBitsMask() const override;
     void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
@@ -19,6 +22,7 @@ public:
     void Finalize(HdRenderParam* renderParam) override;
 
 private:
+    HdStreamMaterialFrames& _frames;
     std::string _scenePath; ///< empty until the first Sync
 };
 

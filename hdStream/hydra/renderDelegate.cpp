@@ -189,7 +189,7 @@ HdRprim* HdStreamRenderDelegate::CreateRprim(const TfToken& typeId, const SdfPat
 
 HdSprim* HdStreamRenderDelegate::CreateSprim(const TfToken& typeId, const SdfPath& id) {
     if (typeId == HdPrimTypeTokens->material) {
-        return new HdStreamMaterial(id);
+        return new HdStreamMaterial(id, &_materialFrames);
     }
     if (typeId == HdPrimTypeTokens->camera) {
         return new HdStreamCamera(id);
@@ -260,6 +260,11 @@ void HdStreamRenderDelegate::DestroyBprim(HdBprim* bprim) {
 }
 
 void HdStreamRenderDelegate::CommitResources(HdChangeTracker*) {
+    for (HdStreamMaterialFrames::Edit& edit : _materialFrames.Update()) {
+        _param->Push([edit = std::move(edit)](hds::Session& session) {
+            session.SetMaterial(edit.scenePath, edit.network);
+        });
+    }
     _param->Commit();
 }
 

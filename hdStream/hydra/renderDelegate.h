@@ -5,6 +5,7 @@
 
 #include "hdStream/hydra/deepProducts.h"
 #include "hdStream/hydra/hostStatus.h"
+#include "hdStream/hydra/materialFrames.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/settingsBridge.h"
 
@@ -112,6 +113,7 @@ private:
     std::vector<HdStreamDeepProduct> _deepProducts;
     std::uint64_t _deepVersion = 0; ///< whose deep products are written; 0: none
     std::unique_ptr<HdStreamRenderParam> _param;
+    HdStreamMaterialFrames _materialFrames;
     HdStreamHostStatus _hostStatus; ///< last: nobody asks while the rest goes
 };
 

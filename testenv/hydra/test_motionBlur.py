@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What moves while the shutter is open, through Hydra, against many still pictures of Hydra: a shape, an instancer and a light in
-one stage, by a z-test of each block of pixels.
+one stage, by a z-test of each block of pixels. And what changes besides, against `hdstream record`, to the bit.
 
 The stills are of the stage at random times in equal parts of the interval, without motion blur: what the delegate samples, the
 device's keys and their interpolation take no part in them.
@@ -11,8 +11,9 @@ import pathlib
 
 import numpy as np
 import pytest
+from pxr import Usd, UsdGeom
 
-from frontEnds import MODES, ReadColor
+from frontEnds import MODES, CompareFrontEnds, FrontEnds, ReadColor
 from openUsd import RunProgram
 from stages import motion
 from wrapperStage import SETTINGS_PATH, WriteWrapper
@@ -75,3 +76,38 @@ def test_blur_is_the_average_of_stills(mode, openUsd, plugin, isStream, tmp_path
     assert np.sqrt((scores ** 2).mean()) < 1.35, scores
     still = np.abs(_Scores(a, np.repeat(_Blocks(one["file"])[None], 2, 0)))
     assert (still > 8).mean() > 0.05, "the test would show little"
+
+
+def _Differences(mode, openUsd, plugin, folder):
+    """Of scenes and pictures; and the scene that Hydra gave, and what both programs said."""
+    wrapper = WriteWrapper(folder / "moving.usda", folder / "wrapper.usda", WIDTH, mode=mode, samples=4, seed=3, maxDepth=2,
+                           noCache=True)
+    differences, said = CompareFrontEnds(FrontEnds(openUsd, plugin, mode=mode), wrapper, folder)
+    return differences, (folder / "hydra.txt").read_text(), said
+
+
+@pytest.mark.parametrize("name", ["growingLights", "flicker"])
+def test_lights_that_change_are_those_of_hdstream_record(name, openUsd, plugin, isStream, tmp_path):
+    """By scene indices, which tell of the change."""
+    if not isStream:
+        pytest.skip("only Stream writes dumps")
+    motion.Write(tmp_path / "moving.usda", name)
+    differences, scene, _ = _Differences("sceneIndex", openUsd, plugin, tmp_path)
+    assert differences == []
+    assert name != "flicker" or scene.count("  light at ") >= 9, "the test would show little"
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_velocities_that_are_not_finite_are_those_of_hdstream_record(mode, openUsd, plugin, isStream, tmp_path):
+    if not isStream:
+        pytest.skip("only Stream writes dumps")
+    motion.Write(tmp_path / "moving.usda", "points")
+    stage = Usd.Stage.Open(str(tmp_path / "moving.usda"))
+    velocities = UsdGeom.Points(stage.GetPrimAtPath("/World/Dust")).GetVelocitiesAttr()
+    values = list(velocities.Get(motion.FRAME))
+    values[3], values[40] = (float("nan"), 0.0, 0.0), (0.0, float("inf"), 1.0)
+    velocities.Set(values, motion.FRAME)
+    stage.GetRootLayer().Save()
+    differences, scene, said = _Differences(mode, openUsd, plugin, tmp_path)
+    assert differences == []
+    assert "points at " in scene and said.count("velocities are not finite: points that have these stand still") == 2
