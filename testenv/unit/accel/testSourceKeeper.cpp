@@ -37,7 +37,7 @@ TEST(SourceKeeper, KeepsThoseUsedLast) {
     keeper.Forget(reinterpret_cast<const void*>(4));
     EXPECT_FALSE(isAlive(3));
     EXPECT_EQ(keeper.Bytes(), 0U);
-    keeper.BeginPeak();
+    keeper.BeginStatistics();
     EXPECT_EQ(keeper.PeakBytes(), 0U);
     use(5, 60);
     use(6, 30);
