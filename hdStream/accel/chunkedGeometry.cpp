@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -290,20 +291,27 @@ void ChunkedGeometry::MakeAhead(const Cut& cut, std::uint32_t chunk) const {
         count = std::min(count, numChunks - _numAhead);
         _numAhead += count;
     }
+    std::atomic<bool> isKept{true}; // else the store is full
     // A thread that waits makes nothing else meanwhile: it would hold what that is made of, too.
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(begin, begin + count, [&](std::uint32_t i) {
             const std::uint32_t ahead = i % numChunks;
-            if (ahead == chunk || IsStored(ahead) || !_store->HasSpareRoom()) {
+            if (ahead == chunk || IsStored(ahead) || !isKept || !_store->HasSpareRoom()) {
                 return;
             }
             const ChunkBytes pages = MakePages(cut, ahead);
-            for (std::uint32_t page = 0; page < pages.size(); ++page) {
-                _store->Save(*Key(ahead, page), pages[page].data(), pages[page].size());
+            for (std::uint32_t page = 0; page < pages.size() && isKept; ++page) {
+                isKept = _store->Save(*Key(ahead, page), pages[page].data(), pages[page].size());
             }
-            _keeper->CountAhead();
+            if (isKept) {
+                _keeper->CountAhead();
+            }
         });
     });
+    if (!isKept) {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        _numAhead = numChunks; // others would not be kept either
+    }
 }
 
 bool ChunkedGeometry::IsStored(std::uint32_t chunk) const {
