@@ -300,8 +300,10 @@ void ChunkedGeometry::MakeAhead(const Cut& cut, std::uint32_t chunk) const {
                 return;
             }
             const ChunkBytes pages = MakePages(cut, ahead);
-            for (std::uint32_t page = 0; page < pages.size() && isKept; ++page) {
-                isKept = _store->Save(*Key(ahead, page), pages[page].data(), pages[page].size());
+            for (std::uint32_t page = 0; page < pages.size(); ++page) {
+                if (!_store->Save(*Key(ahead, page), pages[page].data(), pages[page].size())) {
+                    isKept = false;
+                }
             }
             if (isKept) {
                 _keeper->CountAhead();
