@@ -271,9 +271,9 @@ ChunkBytes ChunkedGeometry::Make(std::uint32_t chunk) const {
     return pages;
 }
 
-/// Makes chunks that others have not been asked for, after `chunk`, for which the source was made.
-/// The first time it may stay, so there are none. Then it is an eighth, about what the source took,
-/// and each time twice as many, until all are there.
+/// Makes chunks that nobody has asked for, after `chunk`, for which the source was made. The first
+/// time none, since it may stay. Then an eighth, which takes about as long as the source did, and
+/// each time twice as many, until all are there.
 void ChunkedGeometry::MakeAhead(const Cut& cut, std::uint32_t chunk) const {
     const auto numChunks = static_cast<std::uint32_t>(_summary.NumChunks());
     std::uint32_t begin = 0;
