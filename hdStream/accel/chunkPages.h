@@ -28,6 +28,7 @@ public:
     /// Takes ids that no other page of the process has. \param chunk of the maker.
     ChunkPages(std::shared_ptr<const PageMaker> maker, std::uint32_t chunk);
 
+    const PageMaker& Maker() const { return *_maker; }
     std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
     /// Exact once made, before that an upper bound.
     std::uint64_t Bytes(std::uint32_t page) const { return _bytes[page]; }

@@ -6,9 +6,11 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/geometry/attributePage.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -22,6 +24,8 @@ namespace {
 constexpr std::uint64_t kPageFormat = 7;
 /// The part of geometry that is its summary; pages count from 0.
 constexpr std::uint64_t kSummaryPart = ~std::uint64_t{0};
+/// Making a source and its plan takes about this part of making all its pages (docs/accel.md).
+constexpr std::uint32_t kFirstAheadDivisor = 8;
 /// Bytes of a page that do not grow with its triangles: header and root; slot word and padding.
 constexpr std::uint64_t kFixedBytes = 128;
 
@@ -213,19 +217,38 @@ std::uint64_t ChunkedGeometry::BytesOf(const Cut& cut) const {
 }
 
 std::shared_ptr<const ChunkedGeometry::Cut> ChunkedGeometry::Hold() const {
+    bool isMade = false;
+    return Hold(&isMade);
+}
+
+std::shared_ptr<const ChunkedGeometry::Cut> ChunkedGeometry::Hold(bool* isMade) const {
     const std::lock_guard<std::mutex> lock(_mutex);
     std::shared_ptr<const Cut> cut = _cut.lock();
+    *isMade = !cut;
     if (!cut) {
         cut = MakeCut();
         _cut = cut;
-        if (!_keeper) {
-            _kept = cut;
-        }
+    }
+    if (!_keeper || _numMaking > 0) {
+        _kept = cut;
     }
     if (_keeper) {
         _keeper->Use(this, cut, BytesOf(*cut));
     }
     return cut;
+}
+
+void ChunkedGeometry::BeginMaking() const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    ++_numMaking;
+}
+
+void ChunkedGeometry::EndMaking() const {
+    std::shared_ptr<const Cut> dropped; // destroyed without the lock
+    const std::lock_guard<std::mutex> lock(_mutex);
+    if (--_numMaking == 0 && _keeper) {
+        dropped.swap(_kept);
+    }
 }
 
 std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) const {
@@ -238,10 +261,70 @@ std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) co
 }
 
 ChunkBytes ChunkedGeometry::Make(std::uint32_t chunk) const {
-    const std::shared_ptr<const Cut> cut = Hold();
-    const ChunkPlan& plan = cut->plan;
-    ChunkGeometry gathered = cut->source->Gather(plan.groups.data() + plan.begin[chunk],
-                                                 plan.begin[chunk + 1] - plan.begin[chunk]);
+    bool isMade = false;
+    const std::shared_ptr<const Cut> cut = Hold(&isMade);
+    ChunkBytes pages = MakePages(*cut, chunk);
+    if (isMade && _keeper) {
+        _keeper->CountMade();
+        MakeAhead(*cut, chunk);
+    }
+    return pages;
+}
+
+/// Makes chunks that nobody has asked for, after `chunk`, for which the source was made. The first
+/// time none, since it may stay. Then an eighth, which takes about as long as the source did, and
+/// each time twice as many, until all are there.
+void ChunkedGeometry::MakeAhead(const Cut& cut, std::uint32_t chunk) const {
+    const auto numChunks = static_cast<std::uint32_t>(_summary.NumChunks());
+    std::uint32_t begin = 0;
+    std::uint32_t count = 0;
+    {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        ++_numMade;
+        if (_numMade < 2 || !_store || !_store->HasSpareRoom()) {
+            return;
+        }
+        _firstAhead = _numAhead == 0 ? chunk : _firstAhead;
+        begin = _firstAhead + _numAhead;
+        count = _numMade < 5 ? std::max(1U, (numChunks / kFirstAheadDivisor) << (_numMade - 2))
+                             : numChunks;
+        count = std::min(count, numChunks - _numAhead);
+        _numAhead += count;
+    }
+    std::atomic<bool> isKept{true}; // else the store is full
+    // A thread that waits makes nothing else meanwhile: it would hold what that is made of, too.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(begin, begin + count, [&](std::uint32_t i) {
+            const std::uint32_t ahead = i % numChunks;
+            if (ahead == chunk || IsStored(ahead) || !isKept || !_store->HasSpareRoom()) {
+                return;
+            }
+            const ChunkBytes pages = MakePages(cut, ahead);
+            for (std::uint32_t page = 0; page < pages.size(); ++page) {
+                if (!_store->Save(*Key(ahead, page), pages[page].data(), pages[page].size())) {
+                    isKept = false;
+                }
+            }
+            if (isKept) {
+                _keeper->CountAhead();
+            }
+        });
+    });
+    if (!isKept) {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        _numAhead = numChunks; // others would not be kept either
+    }
+}
+
+bool ChunkedGeometry::IsStored(std::uint32_t chunk) const {
+    return _store->Contains(*Key(chunk, HDS_PAGE_GEOMETRY)) &&
+           _store->Contains(*Key(chunk, HDS_PAGE_ATTRIBUTES));
+}
+
+ChunkBytes ChunkedGeometry::MakePages(const Cut& cut, std::uint32_t chunk) const {
+    const ChunkPlan& plan = cut.plan;
+    ChunkGeometry gathered = cut.source->Gather(plan.groups.data() + plan.begin[chunk],
+                                                plan.begin[chunk + 1] - plan.begin[chunk]);
     ChunkBytes pages;
     pages[HDS_PAGE_GEOMETRY] = BuildGeometryPage(gathered).bytes;
     pages[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(gathered);

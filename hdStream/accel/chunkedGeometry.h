@@ -63,7 +63,11 @@ public:
     std::shared_ptr<const Cut> Hold() const;
 
     std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
+    /// Where the source was made for this again, it also makes others, which the store keeps: the
+    /// more often it is made the more, so that it is not made very often (docs/accel.md).
     ChunkBytes Make(std::uint32_t chunk) const override;
+    void BeginMaking() const override;
+    void EndMaking() const override;
     PageStore* Store() const override { return _store.get(); }
     std::optional<PageKey> Key(std::uint32_t chunk, std::uint32_t page) const override {
         return PartKey(2 * std::uint64_t{chunk} + page);
@@ -78,6 +82,10 @@ private:
     bool LoadSummary();
     void MakeSummary(const Cut& cut);
     std::shared_ptr<const Cut> MakeCut() const;
+    std::shared_ptr<const Cut> Hold(bool* isMade) const;
+    ChunkBytes MakePages(const Cut& cut, std::uint32_t chunk) const;
+    void MakeAhead(const Cut& cut, std::uint32_t chunk) const;
+    bool IsStored(std::uint32_t chunk) const;
     std::uint64_t BytesOf(const Cut& cut) const;
 
     SourceMaker _makeSource;
@@ -89,7 +97,11 @@ private:
     std::uint64_t _arrayBytes;
     mutable std::mutex _mutex;
     mutable std::weak_ptr<const Cut> _cut;
-    mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper
+    mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper, or chunks are made
+    mutable std::uint32_t _numMaking = 0;     ///< who makes chunks now (BeginMaking)
+    mutable std::uint32_t _numMade = 0;       ///< times that the source was made for pages
+    mutable std::uint32_t _numAhead = 0;      ///< chunks that MakeAhead has taken on
+    mutable std::uint32_t _firstAhead = 0;    ///< of these, which follow each other
 };
 
 } // namespace hds

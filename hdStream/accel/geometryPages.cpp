@@ -2,6 +2,7 @@
 #include "hdStream/accel/geometryPages.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -24,6 +25,41 @@ bool HasAll(const PreparedPages::Wanted& wanted) {
 
 std::uint64_t BytesOf(const ChunkPages& chunk) {
     return chunk.Bytes(HDS_PAGE_GEOMETRY) + chunk.Bytes(HDS_PAGE_ATTRIBUTES);
+}
+
+/// Says that several chunks of a maker are made.
+class Making {
+public:
+    explicit Making(const PageMaker& maker) : _maker(maker) { _maker.BeginMaking(); }
+    ~Making() { _maker.EndMaking(); }
+    Making(const Making&) = delete;
+    Making& operator=(const Making&) = delete;
+
+private:
+    const PageMaker& _maker;
+};
+
+/// Makes chunks, those of one maker together: what they are made of may be more than is kept, and
+/// is made once.
+std::vector<ChunkPages::Made> Make(const std::vector<const PreparedPages::Wanted*>& chunks) {
+    std::vector<std::size_t> begins;
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+        if (i == 0 || &chunks[i]->chunk->Maker() != &chunks[i - 1]->chunk->Maker()) {
+            begins.push_back(i);
+        }
+    }
+    begins.push_back(chunks.size());
+    std::vector<ChunkPages::Made> made(chunks.size());
+    tbb::parallel_for(std::size_t{0}, begins.size() - 1, [&](std::size_t group) {
+        const Making making(chunks[begins[group]]->chunk->Maker());
+        // A thread that waits inside begins no other group: it would hold what both are made of.
+        tbb::this_task_arena::isolate([&] {
+            tbb::parallel_for(begins[group], begins[group + 1], [&](std::size_t i) {
+                made[i] = chunks[i]->chunk->Prepare(chunks[i]->isWanted);
+            });
+        });
+    });
+    return made;
 }
 
 } // namespace
@@ -51,11 +87,9 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
     for (const Wanted* one : missing) {
         bytesBefore.push_back(one->chunk->DataBytes());
     }
-    std::vector<ChunkPages::Made> made(missing.size());
+    std::vector<ChunkPages::Made> made;
     try {
-        tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
-            made[i] = missing[i]->chunk->Prepare(missing[i]->isWanted);
-        });
+        made = Make(missing);
     } catch (...) { // memory has run out: what was to be made is forgotten
         for (std::size_t i = 0; i < missing.size(); ++i) {
             Forget(*missing[i]->chunk, bytesBefore[i]);

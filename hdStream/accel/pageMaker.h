@@ -24,6 +24,10 @@ public:
     virtual std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const = 0;
     virtual ChunkBytes Make(std::uint32_t chunk) const = 0;
 
+    /// Between these two several chunks may be made: what they are all made of is not made twice.
+    virtual void BeginMaking() const {}
+    virtual void EndMaking() const {}
+
     /// Where finished pages are kept; null: nowhere.
     virtual PageStore* Store() const = 0;
     /// The name of a page in the store before it is made. Nothing: pages are made sooner than read,

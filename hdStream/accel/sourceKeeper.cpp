@@ -24,7 +24,9 @@ std::uint64_t SourceKeeper::PeakBytes() const {
     return _peakBytes;
 }
 
-void SourceKeeper::BeginPeak() {
+void SourceKeeper::BeginStatistics() {
+    _numMade = 0;
+    _numAhead = 0;
     const std::lock_guard<std::mutex> lock(_mutex);
     _peakBytes = _bytes;
 }

@@ -482,4 +482,8 @@ bool PageStore::IsWriting() const {
     return _impl->isWriting;
 }
 
+bool PageStore::HasSpareRoom() const {
+    return _impl->isWriting && _impl->bytesSaved <= _impl->options.maxBytes / 2;
+}
+
 } // namespace hds

@@ -135,6 +135,9 @@ public:
     const std::string& Directory() const;
     /// Whether pages are still saved.
     bool IsWriting() const;
+    /// Whether there is room for pages that nobody has asked for: what this store has saved takes
+    /// at most half of maxBytes.
+    bool HasSpareRoom() const;
 
 private:
     struct Impl;

@@ -275,7 +275,7 @@ void Session::Impl::BeginStatistics() {
     statistics.commitSeconds = 0.0;
     statistics.primsMended = 0;
     cache.pages.BeginStatistics();
-    cache.geometry.Sources().BeginPeak();
+    cache.geometry.Sources().BeginStatistics();
     cache.geometry.ForgetPlanned();
     chunksMade = {};
     texturesMade = {};

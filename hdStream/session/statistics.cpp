@@ -98,6 +98,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"chunksTouched", pool.chunksUsed},
             {"chunksBuilt", in.pages->NumBuilt()},
             {"chunksFromCache", in.pages->NumLoaded()},
+            {"chunksAhead", in.sources->NumAhead()},
             {"primsMended", in.primsMended},
             {"estimated", !isExact}};
 }
@@ -181,6 +182,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
         {"arrays", ArraySource::Counts().bytes},
         {"arraysReadAgain", ArraySource::Counts().readBytes - in.arrayBytesReadBefore},
         {"sourcesPeak", in.sources->PeakBytes()},
+        {"sourcesMade", in.sources->NumMade()},
         {"hostPeak", HostPeakBytes()}};
     stats["geometry"] = GeometrySection(in);
     stats["texture"] = TextureSection(in);

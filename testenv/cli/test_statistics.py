@@ -14,7 +14,7 @@ _KEYS = {
     "memory": "pathState film tables devicePeak hostPeak",
     "geometry": "mode streamedSamples streamedPaths meshes curves points instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
     "uniqueBytesLoaded uploadedBytes uploads evictions requestsDropped rayBatches briefBatches primsMended iterations maxIterationsPerBatch raysRelaunched "
-    "shadingRefetches chunksTouched chunksBuilt chunksFromCache estimated",
+    "shadingRefetches chunksTouched chunksBuilt chunksFromCache chunksAhead estimated",
     "texture": "mode textures bytesSource bytesTotal budget peakBytes linesTotal linesLoaded uniqueBytesLoaded "
     "uploadedBytes evictions tableBytes alwaysResidentBytes lookups misses shadePasses shadeIterations fallbackTexels "
     "setConflicts",

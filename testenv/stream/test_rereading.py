@@ -85,6 +85,25 @@ def test_what_fits_is_read_once(Scene, allArrays):
     assert statistics["memory"]["arraysReadAgain"] == 0
 
 
+def test_what_is_read_again_and_again_makes_pages_ahead(allArrays, tmp_path):
+    """With a cache nothing that pages are cut from is made more than five times, and without one for nearly each chunk."""
+    numMeshes = 6
+    streaming.WriteOverlap(str(tmp_path / "stage.usda"), meshes=numMeshes, rings=48)
+    expected = Case(tmp_path / "stage.usda").RenderResident(noCache=True)
+    settings = {name: value for name, value in _READ_AGAIN.items() if name != "noCache"}
+    without = expected.Fresh().Render(noCache=True, **settings)[1]
+    layers, cold = expected.Fresh().Render(cacheDirectory=ColdCache(tmp_path / "cache"), **settings)
+    expected.AssertBits(layers)
+    prims = cold["geometry"]["meshes"]
+    assert cold["geometry"]["chunks"] > 30 * numMeshes
+    assert 0 < cold["geometry"]["chunksAhead"] <= cold["geometry"]["chunks"]
+    assert cold["memory"]["sourcesMade"] <= 5 * prims < without["memory"]["sourcesMade"]
+    assert without["geometry"]["chunksAhead"] == 0
+    layers, warm = expected.Fresh().Render(cacheDirectory=str(tmp_path / "cache"), **settings)
+    expected.AssertBits(layers)
+    assert warm["memory"]["sourcesMade"] <= warm["geometry"]["chunksBuilt"] <= prims, "single chunks have no summary"
+
+
 def test_arrays_leave_memory(allArrays, monkeypatch, tmp_path):
     """Those of numpy are gone once pages have been planned, and arrays that nobody holds any more do not wait for their use."""
     alive = []

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
+#include <memory>
 #include <new>
 
 namespace hds::test {
@@ -25,10 +27,14 @@ public:
         if (failsAt-- == 0) {
             throw std::bad_alloc();
         }
+        if (onGather) {
+            onGather();
+        }
         return _source->Gather(units, count);
     }
 
     mutable std::atomic<int> failsAt{-1};
+    std::function<void()> onGather;
 
 private:
     std::shared_ptr<const ChunkSource> _source;
@@ -114,6 +120,36 @@ TEST_F(PreparedPagesTest, CountsBeginAnew) {
     prepared.BeginStatistics();
     prepared.Prepare(Want(4, 9));
     EXPECT_EQ(prepared.NumBuilt(), 3U);
+}
+
+// As with large geometry whose arrays are read again: what one thread makes its chunks of makes
+// what another one needs leave.
+TEST_F(PreparedPagesTest, ChunksThatAreWantedTogetherAreMadeOfOneSource) {
+    const auto keeper = std::make_shared<SourceKeeper>();
+    keeper->SetLimit(1);
+    const auto other = std::make_shared<int>();
+    source->onGather = [&] {
+        keeper->Forget(other.get());
+        keeper->Use(other.get(), other, 1);
+    };
+    std::atomic<int> numMade{0};
+    const auto kept = std::make_shared<const ChunkedGeometry>(
+        [&] {
+            ++numMade;
+            return source;
+        },
+        4096, nullptr, PageKey{}, keeper);
+    chunks.clear();
+    for (std::uint32_t i = 0; i < kept->Summary().NumChunks(); ++i) {
+        chunks.push_back(std::make_shared<ChunkPages>(kept, i));
+    }
+    keeper->Use(other.get(), other, 1);
+    numMade = 0;
+    prepared.Prepare(Want(0, 8));
+    EXPECT_EQ(numMade, 1);
+    prepared.Prepare(Want(8, 16));
+    EXPECT_EQ(numMade, 2) << "nothing is held in between";
+    EXPECT_EQ(prepared.NumBuilt(), 16U);
 }
 
 } // namespace

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What chunks are cut from stays up to a bound, is made again beyond it, and then gives the same.
+#include "hdStream/accel/chunkPages.h"
 #include "hdStream/accel/chunkedGeometry.h"
 #include "hdStream/base/error.h"
 #include "testenv/support/meshSource.h"
+#include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +39,7 @@ TEST(SourceKeeper, KeepsThoseUsedLast) {
     keeper.Forget(reinterpret_cast<const void*>(4));
     EXPECT_FALSE(isAlive(3));
     EXPECT_EQ(keeper.Bytes(), 0U);
-    keeper.BeginPeak();
+    keeper.BeginStatistics();
     EXPECT_EQ(keeper.PeakBytes(), 0U);
     use(5, 60);
     use(6, 30);
@@ -84,6 +86,124 @@ TEST(SourceKeeper, WhatIsMadeAgainGivesTheSamePages) {
     }
     EXPECT_EQ(numMade, 3 + 8 + 1) << "both stay";
     EXPECT_GE(keeper->Bytes(), 200U);
+}
+
+/// Two geometries of which there is room for the source of one, with a store.
+class TwoInOneRoom : public ::testing::Test {
+protected:
+    void SetUp() override {
+        store = std::make_shared<PageStore>(Options(), nullptr);
+        keeper->SetLimit(1);
+    }
+    virtual PageStoreOptions Options() const {
+        PageStoreOptions options;
+        options.directory = folder.Path();
+        return options;
+    }
+    std::shared_ptr<ChunkedGeometry> Geometry(std::uint64_t key) {
+        const auto make = [this] {
+            ++numMade;
+            return Grid(80);
+        };
+        return std::make_shared<ChunkedGeometry>(make, 4096, store, PageKey{{key, 0}}, keeper, 100);
+    }
+    /// Asks for all chunks, one of each geometry in turn, from `first` on. \return the pages in the
+    /// order of chunks of one.
+    std::vector<ChunkBytes> AskInTurn(std::uint32_t first) {
+        const auto a = Geometry(1);
+        const auto b = Geometry(2);
+        numChunks = static_cast<std::uint32_t>(a->Summary().NumChunks());
+        numMade = 0;
+        std::vector<ChunkBytes> pages(numChunks);
+        for (std::uint32_t i = 0; i < numChunks; ++i) {
+            const std::uint32_t chunk = (first + i) % numChunks;
+            for (const auto& geometry : {a, b}) {
+                ChunkPages made(geometry, chunk);
+                made.Prepare({true, true});
+                pages[chunk] = {made.Data(0), made.Data(1)};
+            }
+        }
+        return pages;
+    }
+    std::vector<ChunkBytes> Expected() const {
+        const ChunkedGeometry kept([] { return Grid(80); }, 4096, nullptr, PageKey{});
+        std::vector<ChunkBytes> pages;
+        for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
+            pages.push_back(kept.Make(chunk));
+        }
+        return pages;
+    }
+
+    test::TemporaryFolder folder;
+    std::shared_ptr<SourceKeeper> keeper = std::make_shared<SourceKeeper>();
+    std::shared_ptr<PageStore> store;
+    int numMade = 0;
+    std::uint32_t numChunks = 0;
+};
+
+// Once for the first chunk, then three times with an eighth, a quarter and a half of all chunks,
+// and what that leaves. It was twice for each chunk.
+TEST_F(TwoInOneRoom, NoSourceIsMadeVeryOften) {
+    const std::vector<ChunkBytes> pages = AskInTurn(7);
+    ASSERT_GT(numChunks, 40U);
+    EXPECT_LE(numMade, 2 * 5);
+    EXPECT_EQ(keeper->NumMade(), static_cast<std::uint64_t>(numMade));
+    EXPECT_GT(keeper->NumAhead(), numChunks);
+    EXPECT_LE(keeper->NumAhead(), 2 * (numChunks - 1));
+    EXPECT_EQ(pages, Expected());
+    keeper->BeginStatistics();
+    EXPECT_EQ(AskInTurn(0), pages);
+    EXPECT_EQ(numMade, 0) << "the store has all of them";
+    EXPECT_EQ(keeper->NumMade() + keeper->NumAhead(), 0U);
+}
+
+TEST_F(TwoInOneRoom, OneThatStaysMakesNothingAhead) {
+    keeper->SetLimit(1U << 30U);
+    const std::vector<ChunkBytes> pages = AskInTurn(0);
+    EXPECT_EQ(pages, Expected());
+    EXPECT_EQ(numMade, 0) << "those of the plans";
+    EXPECT_EQ(keeper->NumAhead(), 0U);
+}
+
+class TwoInALittleStore : public TwoInOneRoom {
+protected:
+    PageStoreOptions Options() const override {
+        PageStoreOptions options = TwoInOneRoom::Options();
+        options.maxBytes = kStoreBytes;
+        return options;
+    }
+    static constexpr std::uint64_t kStoreBytes = 512U << 10U; ///< two segments
+};
+
+// Pages that nobody has asked for would take the room of those that somebody asks for.
+TEST_F(TwoInALittleStore, WhatIsAheadTakesHalfOfTheStore) {
+    const std::vector<ChunkBytes> pages = AskInTurn(0);
+    EXPECT_EQ(pages, Expected());
+    EXPECT_GT(numMade, 2 * 5);
+    std::uint64_t bytes = 0;
+    for (const ChunkBytes& page : pages) {
+        bytes += page[0].size() + page[1].size();
+    }
+    ASSERT_GT(2 * bytes, kStoreBytes) << "not all fit";
+    EXPECT_GT(keeper->NumAhead(), 0U);
+    EXPECT_LT(keeper->NumAhead() * bytes / numChunks, kStoreBytes * 6 / 10);
+}
+
+class TwoInAFullStore : public TwoInOneRoom {
+protected:
+    PageStoreOptions Options() const override {
+        PageStoreOptions options = TwoInOneRoom::Options();
+        options.maxBytes = 64U << 10U; // less than a segment
+        return options;
+    }
+};
+
+TEST_F(TwoInAFullStore, NothingIsMadeAheadThatIsNotKept) {
+    const std::vector<ChunkBytes> pages = AskInTurn(0);
+    EXPECT_EQ(pages, Expected());
+    EXPECT_EQ(keeper->NumAhead(), 0U);
+    EXPECT_EQ(static_cast<std::uint32_t>(numMade), 2 * numChunks);
+    EXPECT_LE(store->Statistics().pagesNotKept, 2 * (2 * numChunks + 4)) << "few are tried ahead";
 }
 
 TEST(SourceKeeper, WhatCannotBeMadeAgainIsAnErrorEachTimeAndNoLock) {
