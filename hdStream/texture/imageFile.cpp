@@ -96,7 +96,7 @@ std::string ReadBytes(const ImageSource& source, std::uint64_t mostBytes,
 
 std::string CheckSpec(const OIIO::ImageSpec& spec) {
     if (spec.deep) {
-        return "deep images cannot be used as textures";
+        return "deep images are not read: flatten it first, with oiiotool --flatten, say";
     }
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) {
         return "the image has no pixels";
