@@ -104,7 +104,11 @@ ImageQueries MaterialCommit::Images(std::vector<AssetReference>* asked) const {
         if (asked != nullptr) {
             asked->push_back(asset);
         }
-        return _images.Probe(asset);
+        auto facts = _images.Probe(asset);
+        if (const auto use = facts ? std::nullopt : _images.FindUse(asset)) {
+            _warnings.Add("", use->error); // what compiles says whose image it is
+        }
+        return facts;
     };
     queries.findTiles = ImageLibrary::FindTiles;
     return queries;
