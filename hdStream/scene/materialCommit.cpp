@@ -104,11 +104,7 @@ ImageQueries MaterialCommit::Images(std::vector<AssetReference>* asked) const {
         if (asked != nullptr) {
             asked->push_back(asset);
         }
-        auto facts = _images.Probe(asset);
-        if (const auto use = facts ? std::nullopt : _images.FindUse(asset)) {
-            _warnings.Add("", use->error); // what compiles says whose image it is
-        }
-        return facts;
+        return _images.Probe(asset);
     };
     queries.findTiles = ImageLibrary::FindTiles;
     return queries;
