@@ -91,14 +91,14 @@ def test_an_image_that_is_not_there_is_told_so(tmp_path):
 
 
 def test_an_image_that_is_compressed_in_its_package_is_told_so(tmp_path):
-    """OpenUSD finds it, and packages are not to compress what they hold: the statistics say why it is not read."""
+    """OpenUSD finds it, and packages are not to compress what they hold: `info` says why it is not read."""
     stage = WriteStage(tmp_path, SCENE + _TEXTURED.replace("none/such.png", "./image.png"))
     with zipfile.ZipFile(tmp_path / "scene.usdz", "w") as archive:
         archive.write(stage, "scene.usda")
         archive.writestr("image.png", bytes(1000), zipfile.ZIP_DEFLATED)
-    result = RunHere("record", tmp_path / "scene.usdz", tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "s.json")
+    result = RunHere("record", tmp_path / "scene.usdz", tmp_path / "o.exr", *SMALL)
     assert result.code == 0 and result.warnings == [_FALLBACK.format(name="./image.png", why="")], result.text
-    assert "./image.png: is compressed or damaged in its package" in (tmp_path / "s.json").read_text()
+    assert "./image.png: is compressed or damaged in its package" in RunHere("info", tmp_path / "scene.usdz").text
 
 
 def test_displacement_without_end_is_not_laid_to_the_transform(tmp_path):
