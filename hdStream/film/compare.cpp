@@ -168,6 +168,13 @@ std::map<std::string, LayerSums> PairChannels(const ChannelTable& a, const Chann
     return layers;
 }
 
+/// Whether two files of data windows hold different parts of one picture.
+bool AreElsewhere(const OIIO::ImageSpec& a, const OIIO::ImageSpec& b) {
+    const bool isOnePicture = a.full_x == b.full_x && a.full_y == b.full_y &&
+                              a.full_width == b.full_width && a.full_height == b.full_height;
+    return isOnePicture && (a.x != b.x || a.y != b.y);
+}
+
 /// Why the two cannot be compared; empty when they can.
 std::string CheckComparable(const ImageFile& file, const ImageFile& reference) {
     const auto size = [](const ImageFile& image) {
@@ -176,6 +183,13 @@ std::string CheckComparable(const ImageFile& file, const ImageFile& reference) {
     if (size(file) != size(reference)) {
         return file.Name() + ": is " + size(file) + " pixels but " + reference.Name() + " is " +
                size(reference);
+    }
+    if (AreElsewhere(file.Spec(), reference.Spec())) {
+        const auto place = [](const OIIO::ImageSpec& spec) {
+            return "(" + std::to_string(spec.x) + ", " + std::to_string(spec.y) + ")";
+        };
+        return file.Name() + ": its data window begins at " + place(file.Spec()) + " but that of " +
+               reference.Name() + " at " + place(reference.Spec());
     }
     const std::string names = NamesOf(ListChannels(file.Spec()));
     const std::string otherNames = NamesOf(ListChannels(reference.Spec()));

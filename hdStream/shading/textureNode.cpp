@@ -103,7 +103,9 @@ std::vector<std::uint32_t> NetworkEvaluator::FindTiles(const MaterialNode& node,
         if (!known) {
             const std::string& name =
                 tile.file.authoredPath.empty() ? tile.file.file : tile.file.authoredPath;
-            Warn("cannot read image " + name + " of " + node.path + "; its fallback is used");
+            const std::string reason = tile.file.file.empty() ? ": no such file" : "";
+            Warn("cannot read image " + name + " of " + node.path + reason +
+                 "; its fallback is used");
             continue;
         }
         tiles.resize(std::max<std::size_t>(tiles.size(), tile.index + 1), HDS_NONE);

@@ -62,7 +62,8 @@ std::string ReadBytes(const ImageSource& source, std::uint64_t mostBytes,
     std::error_code code;
     const auto status = std::filesystem::status(source.file, code);
     if (!std::filesystem::exists(status)) {
-        return "no such file";
+        const bool isInPackage = !source.file.empty() && source.file.back() == ']';
+        return isInPackage ? "is compressed or damaged in its package" : "no such file";
     }
     if (std::filesystem::is_directory(status)) {
         return "is a folder";
@@ -96,7 +97,7 @@ std::string ReadBytes(const ImageSource& source, std::uint64_t mostBytes,
 
 std::string CheckSpec(const OIIO::ImageSpec& spec) {
     if (spec.deep) {
-        return "deep images cannot be used as textures";
+        return "deep images are not read: flatten it first, with oiiotool --flatten, say";
     }
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) {
         return "the image has no pixels";

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Broken scene content renders: a warning a prim, exit code 0, an image of finite numbers."""
 
+import zipfile
+
 import pytest
 
-from cliCase import SCENE, SMALL, Run, WriteStage
+from cliCase import SCENE, SMALL, Run, RunHere, WriteStage
 
 MESH = """def Mesh "{name}"
 {{
@@ -77,6 +79,26 @@ def Finite(path):
     comparison = _core.CompareImages(str(path), str(path))
     assert not comparison.error
     return all(layer.numNonFinite == 0 for layer in comparison.layers)
+
+
+_TEXTURED = Bound("UsdPreviewSurface", "color3f inputs:diffuseColor.connect = </Look/Texture.outputs:rgb>")
+_FALLBACK = "/Look: cannot read image {name} of /Look/Texture{why}; its fallback is used"
+
+
+def test_an_image_that_is_not_there_is_told_so(tmp_path):
+    result = RunHere("record", WriteStage(tmp_path, SCENE + _TEXTURED), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and result.warnings == [_FALLBACK.format(name="none/such.png", why=": no such file")]
+
+
+def test_an_image_that_is_compressed_in_its_package_is_told_so(tmp_path):
+    """OpenUSD finds it, and packages are not to compress what they hold: `info` says why it is not read."""
+    stage = WriteStage(tmp_path, SCENE + _TEXTURED.replace("none/such.png", "./image.png"))
+    with zipfile.ZipFile(tmp_path / "scene.usdz", "w") as archive:
+        archive.write(stage, "scene.usda")
+        archive.writestr("image.png", bytes(1000), zipfile.ZIP_DEFLATED)
+    result = RunHere("record", tmp_path / "scene.usdz", tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and result.warnings == [_FALLBACK.format(name="./image.png", why="")], result.text
+    assert "./image.png: is compressed or damaged in its package" in RunHere("info", tmp_path / "scene.usdz").text
 
 
 def test_displacement_without_end_is_not_laid_to_the_transform(tmp_path):

@@ -116,6 +116,7 @@ def test_a_deep_product_is_the_flat_one_in_samples(stage, tmp_path):
     for index, name in enumerate("RGBA"):
         assert np.allclose(deepFile.Flatten(deep.counts, colors)[..., index], flat[name], rtol=1e-6, atol=1e-8)
     assert flat["A"].max() == 1.0 and deep.texts["hdStream:camera"] == "/main_cam"
+    AssertFails(RunHere("compare", "deep.0001.exr", "single.exr"), 1, "deep.0001.exr: deep images are not read: flatten it first")
 
 
 @pytest.mark.parametrize("arguments, words", [

@@ -177,6 +177,16 @@ def test_render_settings_of_no_use_are_told_with_their_prim(tmp_path, attribute)
         assert Run("record", stage, tmp_path / "o.exr", *SMALL, "-rs", "/Settings").code == 0
 
 
+def test_a_data_window_without_a_pixel_is_told_with_the_prim_that_says_it(tmp_path):
+    body = SCENE + """def RenderSettings "Settings" { rel products = </Product>
+}
+def RenderProduct "Product" { float4 dataWindowNDC = (0.5, 0.5, 0.5, 1)
+}
+"""
+    result = RunHere("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL, "-rs", "/Settings")
+    assert result.code == 0 and result.warnings == ["/Product: dataWindowNDC holds no pixel; ignored"], result.text
+
+
 @pytest.mark.parametrize("purposes, isTold", [('["full", ""]', False), ('["preview", ""]', True), ('["full"]', True), ("[]", True)])
 def test_purposes_of_bindings_that_are_not_read_are_told(purposes, isTold, tmp_path):
     body = SCENE + f'def RenderSettings "Settings" {{ token[] materialBindingPurposes = {purposes}\n}}\n'

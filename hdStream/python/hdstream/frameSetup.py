@@ -149,7 +149,7 @@ class Framing:
             return
         left, top, right, bottom = DataWindow(windowNDC, settings.imageWidth, settings.imageHeight)
         if right <= left or bottom <= top:
-            self._session.Warn(self._renderSettings.path, "dataWindowNDC holds no pixel; ignored")
+            self._session.Warn(self._renderSettings.dataWindowPath, "dataWindowNDC holds no pixel; ignored")
             return
         try:
             _SetWindow((left, top, right, bottom), settings)

@@ -63,10 +63,14 @@ def MakeFramingCamera(stage, timeCode, purposes):
     distance = planeRadius / math.tan(halfFov) + depth / 2.0
     if distance < camera.clippingRange.min:
         distance += camera.clippingRange.min
-    # usdrecord keeps its near plane at 1 and cuts open what lies nearer; we draw it whole.
-    front = distance - depth / 2.0
-    if 0.0 < front < 2.0 * camera.clippingRange.min:
-        camera.clippingRange = Gf.Range1f(front / 2.0, camera.clippingRange.max)
+    # usdrecord keeps its planes at 1 and 10^6, cuts open what lies nearer and leaves out what lies beyond; we draw all of it.
+    near, far = camera.clippingRange.min, camera.clippingRange.max
+    front, back = distance - depth / 2.0, distance + depth / 2.0
+    if 0.0 < front < 2.0 * near:
+        near = front / 2.0
+    if back > far:
+        far = 2.0 * back
+    camera.clippingRange = Gf.Range1f(near, far)
     matrix = Gf.Matrix4d(1.0)
     if isYUp:
         matrix.SetTranslate(centre + Gf.Vec3d(0, 0, distance))

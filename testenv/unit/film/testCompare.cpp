@@ -156,4 +156,24 @@ TEST(Compare, UnlikeImagesAndBadFilesAreErrorsThatNameThem) {
     }
 }
 
+/// Else crops of equal size would be compared pixel by pixel, wherever they lie.
+TEST(Compare, DifferentPartsOfOnePictureAreNotCompared) {
+    const TemporaryFolder folder;
+    const auto write = [&](const char* name, std::int32_t x, std::uint32_t displayWidth) {
+        hds::ImageWriteOptions options;
+        options.metadata.dataWindowMin = {x, 1};
+        options.metadata.displayWindowSize = {displayWidth, 4};
+        hds::WriteImage(folder.File(name), {Depth({1.0f, 2.0f})}, options);
+        return folder.File(name);
+    };
+    const std::string left = write("left.exr", 1, 8);
+    const std::string error = hds::CompareImages(left, write("right.exr", 5, 8)).error;
+    EXPECT_EQ(error, left + ": its data window begins at (1, 1) but that of " +
+                         folder.File("right.exr") + " at (5, 1)");
+    EXPECT_TRUE(hds::CompareImages(left, write("same.exr", 1, 8)).Ok());
+    EXPECT_TRUE(hds::CompareImages(left, write("other.exr", 5, 12)).Ok());
+    hds::WriteImage(folder.File("plain.exr"), {Depth({1.0f, 2.0f})}); // a cut-out without windows
+    EXPECT_TRUE(hds::CompareImages(left, folder.File("plain.exr")).Ok());
+}
+
 } // namespace

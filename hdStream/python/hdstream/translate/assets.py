@@ -15,7 +15,8 @@ class AssetResolver:
         self._entries = {}
 
     def Resolve(self, attribute, assetPath):
-        """The reference of an attribute's asset value; its `file` is empty when it is not found."""
+        """The reference of an attribute's asset value; its `file` is empty when it is not found, and a path into a package where what
+        is there cannot be read."""
         authored = assetPath.path
         resolved = assetPath.resolvedPath
         pattern = authored.replace("<udim>", "<UDIM>")  # which Arnold knows as well
@@ -31,7 +32,7 @@ class AssetResolver:
         if resolved not in self._entries:
             self._entries[resolved] = _core.FindInPackage(resolved)
         entry = self._entries[resolved]
-        return _core.AssetReference(authored, *entry) if entry else _core.AssetReference(authored)
+        return _core.AssetReference(authored, *entry) if entry else _core.AssetReference(authored, resolved)  # as the core will tell
 
 
 def _ResolveUdim(attribute, authored):
