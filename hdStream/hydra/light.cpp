@@ -98,13 +98,15 @@ void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderPara
 }
 
 void HdStreamLight::SyncSamples(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+    if (_typeId == HdPrimTypeTokens->simpleLight) {
+        return; // whose delegate, the application's, has an error for each name that it does not
+                // know
+    }
     _prim.samples = HdStreamSampleLight(delegate, GetId(), _authored, param->Shutter());
     for (hds::LightSample& sample : _prim.samples) {
         hds::LightDescription light = _authored;
         light.intensity = sample.intensity;
-        if (_typeId != HdPrimTypeTokens->simpleLight) {
-            HdStreamFixLight(param->Exporter(), &light);
-        }
+        HdStreamFixLight(param->Exporter(), &light);
         sample.intensity = light.intensity;
     }
 }

@@ -5,18 +5,24 @@
 #include "hdStream/hydra/assets.h"
 #include "hdStream/hydra/materialParameters.h"
 #include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/scenePaths.h"
 
+#include <pxr/base/gf/math.h>
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/imaging/hd/collectionsSchema.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/imaging/hd/lightSchema.h>
 #include <pxr/imaging/hd/material.h>
 #include <pxr/imaging/hd/renderIndex.h>
+#include <pxr/imaging/hd/timeSampleArray.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/usd/sdf/assetPath.h>
 #include <pxr/usd/sdf/pathExpression.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <string>
 #include <type_traits>
@@ -193,6 +199,78 @@ void ReadFilterByNames(HdSceneDelegate* delegate, const SdfPath& path, hds::Mate
     }
 }
 
+/// An input of a light that changes while the shutter is open, at a time of it.
+using InputAt = std::function<VtValue(float time)>;
+
+/// By member of a sample.
+std::map<std::string, InputAt> MovingInputsOfScene(const HdRenderIndex& index, const SdfPath& id,
+                                                   const hds::Shutter& shutter) {
+    std::map<std::string, InputAt> inputs;
+    const HdSceneIndexBaseRefPtr scene = index.GetTerminalSceneIndex();
+    const HdContainerDataSourceHandle light =
+        scene ? HdLightSchema::GetFromParent(scene->GetPrim(id).dataSource).GetContainer()
+              : nullptr;
+    if (!light) {
+        return inputs;
+    }
+    hds::ForEachField<hds::LightSample>([&](const auto& field) {
+        for (const std::string prefix : {"", "inputs:"}) {
+            const auto source = HdSampledDataSource::Cast(light->Get(TfToken(prefix + field.name)));
+            if (!source) {
+                continue;
+            }
+            std::vector<HdSampledDataSource::Time> times;
+            if (source->GetContributingSampleTimesForInterval(
+                    static_cast<float>(shutter.open), static_cast<float>(shutter.close), &times)) {
+                inputs[field.name] = [source](float time) { return source->GetValue(time); };
+            }
+            break; // as of the frame
+        }
+    });
+    return inputs;
+}
+
+/// Between two samples, with the arithmetic of a stage, so that the bits are those of `hdstream
+/// record`. As the first where they are of no type that inputs have.
+VtValue Between(const VtValue& a, const VtValue& b, double alpha) {
+    if (a.IsHolding<float>() && b.IsHolding<float>()) {
+        return VtValue(GfLerp(alpha, a.UncheckedGet<float>(), b.UncheckedGet<float>()));
+    }
+    if (a.IsHolding<GfVec3f>() && b.IsHolding<GfVec3f>()) {
+        return VtValue(GfLerp(alpha, a.UncheckedGet<GfVec3f>(), b.UncheckedGet<GfVec3f>()));
+    }
+    return a;
+}
+
+/// The same of a legacy scene delegate. UsdImaging's knows the samples of attributes as those of
+/// primvars: the ones in its shutter's interval, and one beyond each end.
+std::map<std::string, InputAt> MovingInputsOfDelegate(HdSceneDelegate* delegate, const SdfPath& id,
+                                                      const hds::Shutter& shutter) {
+    std::map<std::string, InputAt> inputs;
+    hds::ForEachField<hds::LightSample>([&](const auto& field) {
+        HdTimeSampleArray<VtValue, 4> samples;
+        delegate->SamplePrimvar(id, TfToken(std::string("inputs:") + field.name),
+                                static_cast<float>(shutter.open), static_cast<float>(shutter.close),
+                                &samples);
+        if (samples.count < 2) {
+            return;
+        }
+        inputs[field.name] = [samples](float time) {
+            const auto begin = samples.times.begin();
+            const auto end = begin + static_cast<std::ptrdiff_t>(samples.count);
+            const auto next = static_cast<std::size_t>(std::upper_bound(begin, end, time) - begin);
+            if (next == 0 || next == samples.count) {
+                return samples.values[std::min(next, samples.count - 1)]; // held
+            }
+            const double from = samples.times[next - 1];
+            const double to = samples.times[next];
+            return Between(samples.values[next - 1], samples.values[next],
+                           (time - from) / (to - from));
+        };
+    });
+    return inputs;
+}
+
 } // namespace
 
 const TfToken kHdStreamLightSeenByCamera("hdstream:visibility:camera");
@@ -225,41 +303,23 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId) {
 std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, const SdfPath& id,
                                                   const hds::LightDescription& light,
                                                   const hds::Shutter& shutter) {
-    const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
-    if (!scene || !shutter.IsOpen()) {
+    if (!shutter.IsOpen()) {
         return {};
     }
-    const HdContainerDataSourceHandle inputs =
-        HdLightSchema::GetFromParent(scene->GetPrim(id).dataSource).GetContainer();
-    if (!inputs) {
-        return {};
-    }
-    std::map<std::string, HdSampledDataSourceHandle> sources; // of what changes, by member
-    hds::ForEachField<hds::LightSample>([&](const auto& field) {
-        for (const std::string prefix : {"", "inputs:"}) {
-            const auto source =
-                HdSampledDataSource::Cast(inputs->Get(TfToken(prefix + field.name)));
-            if (!source) {
-                continue;
-            }
-            std::vector<HdSampledDataSource::Time> times;
-            if (source->GetContributingSampleTimesForInterval(
-                    static_cast<float>(shutter.open), static_cast<float>(shutter.close), &times)) {
-                sources[field.name] = source;
-            }
-            break; // as of the frame
-        }
-    });
+    HdSceneDelegate* legacy = HdStreamFindLegacyDelegate(delegate, id);
+    const std::map<std::string, InputAt> inputs =
+        legacy ? MovingInputsOfDelegate(legacy, id, shutter)
+               : MovingInputsOfScene(delegate->GetRenderIndex(), id, shutter);
     std::vector<hds::LightSample> samples;
-    for (int i = 0; !sources.empty() && i <= kInputSteps; ++i) {
+    for (int i = 0; !inputs.empty() && i <= kInputSteps; ++i) {
         hds::LightSample sample = hds::SampleOf(light);
         sample.time = shutter.open + double(i) / kInputSteps * (shutter.close - shutter.open);
         hds::ForEachField<hds::LightSample>([&](const auto& field) {
-            const auto found = sources.find(field.name);
-            if (found == sources.end()) {
+            const auto found = inputs.find(field.name);
+            if (found == inputs.end()) {
                 return;
             }
-            const VtValue value = found->second->GetValue(static_cast<float>(sample.time));
+            const VtValue value = found->second(static_cast<float>(sample.time));
             auto& member = sample.*field.member;
             if constexpr (std::is_same_v<std::decay_t<decltype(member)>, float>) {
                 member = VtValue::Cast<float>(value).GetWithDefault(member);

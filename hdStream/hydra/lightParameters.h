@@ -34,7 +34,7 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
                                         const TfToken& typeId, hds::LightType type);
 
 /// What of a light changes while the shutter is open; empty when the scene does not tell of a
-/// change. Legacy scene delegates tell of none. \param light of the frame. Thread-safe during Sync.
+/// change. \param light of the frame. Thread-safe during Sync.
 std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, const SdfPath& id,
                                                   const hds::LightDescription& light,
                                                   const hds::Shutter& shutter);

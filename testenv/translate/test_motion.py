@@ -268,6 +268,48 @@ def test_points_whose_velocities_are_not_finite_stand_still(shutter, time):
     assert warned == ["/A: velocities are not finite: points that have these stand still"] * (shutter is SHUTTER)
 
 
+@pytest.mark.parametrize("shutter, time", [(SHUTTER, 1.0), ((0.0, 0.0), 1.0), ((0.0, 0.0), 1.5)])
+def test_instances_whose_velocities_are_not_finite_stand_still(shutter, time):
+    """The first goes and turns, the second does not go, the third does not turn, the fourth does neither; that of a position which
+    is not finite is no matter of velocities."""
+    stage = StageOf("""
+        def PointInstancer "A"
+        {
+            rel prototypes = </A/P>
+            int[] protoIndices = [0, 0, 0, 0, 0]
+            point3f[] positions.timeSamples = { 1: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 2, 0), (nan, 0, 0)] }
+            float3[] scales = [(1, 1, 1), (1, 2, 1), (1, 2, 1), (3, 2, 1), (1, 1, 1)]
+            quath[] orientations.timeSamples = { 1: [(0.5, 0.5, 0.5, 0.5), (1, 0, 0, 0), (0.5, 0.5, 0.5, 0.5), (0.5, 0.5, 0.5, 0.5),
+                                                     (1, 0, 0, 0)] }
+            vector3f[] velocities.timeSamples = { 1: [(0, 0, 24), (0, nan, 0), (24, 0, 0), (inf, 0, 0), (0, 0, 0)] }
+            vector3f[] angularVelocities.timeSamples = { 1: [(0, 0, 480), (0, 0, 480), (0, nan, 0), (0, 0, inf), (0, 0, 0)] }
+            def Mesh "P"
+            {
+                int[] faceVertexCounts = [3]
+                int[] faceVertexIndices = [0, 1, 2]
+                point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+            }
+        }
+        """)
+    session = _core.Session()
+    TranslateStage(stage, session, time, shutter)
+    instancer = session.Scene().instancers["/A"]
+    samples = [(time - 1, instancer.instanceTransforms), *((at, matrices) for at, matrices in instancer.samples)]
+    assert len(samples) == (18 if shutter is SHUTTER else 1)
+    cycle = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]], float)  # what the orientation does to rows
+    for at, matrices in samples:
+        matrices = np.asarray(matrices).reshape(5, 4, 4)
+        angle = np.radians(20.0 * at)
+        turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+        np.testing.assert_allclose(matrices[:4, 3, :3], [(0, 0, at), (1, 0, 0), (at, 1, 0), (2, 2, 0)], atol=1e-6)
+        for found, expected in zip(matrices, (cycle @ turn, np.diag([1, 2, 1]) @ turn, np.diag([1, 2, 1]) @ cycle,
+                                              np.diag([3, 2, 1]) @ cycle)):
+            np.testing.assert_allclose(found[:3, :3], expected, atol=1e-6)
+        assert np.isnan(matrices[4, 3, 0])
+    warned = [line for line in session.Warnings() if "velocities" in line]
+    assert warned == ["/A: velocities are not finite: instances that have these stand still"] * (shutter is SHUTTER)
+
+
 @pytest.mark.parametrize("velocities", [False, True])
 def test_instances_that_change_in_number_are_told(velocities):
     stage = StageOf("""

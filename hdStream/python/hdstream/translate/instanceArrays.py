@@ -2,7 +2,7 @@
 """Arrays of instances: of a group of native instances, and of a point instancer."""
 
 import numpy as np
-from pxr import UsdGeom, Vt
+from pxr import Gf, UsdGeom, Vt
 
 from hdstream import _core
 from hdstream.translate import valueClips
@@ -119,11 +119,44 @@ def _OrientationsAttr(instancer):
     return instancer.GetOrientationsAttr()
 
 
+def _HasVelocities(instancer):
+    moving = (instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
+    return any(attribute.HasAuthoredValue() for attribute in moving)
+
+
+def _AtRest(index, positions, orientations, scales):
+    """The matrix of an instance without velocities, with the arithmetic of UsdGeom."""
+    matrix = Gf.Matrix4d(1.0)
+    if index < len(scales):
+        matrix.SetScale(Gf.Vec3d(scales[index]))
+    if index < len(orientations):
+        matrix *= Gf.Matrix4d(1.0).SetRotate(Gf.Quatd(orientations[index]))
+    return np.asarray(matrix.SetTranslateOnly(Gf.Vec3d(positions[index])))
+
+
+def InstancesWhereFinite(instancer, matrices, timeCode):
+    """(what velocities make of instances, whether some stand still): those that they take, or turn, nowhere finite do."""
+    matrices = np.asarray(matrices)
+    if not _HasVelocities(instancer):
+        return matrices, False
+    broken = np.flatnonzero(~np.isfinite(matrices).all(axis=(1, 2)))
+    if not len(broken):
+        return matrices, False
+    parts = [attribute.Get(timeCode) or () for attribute in (
+        instancer.GetPositionsAttr(), _OrientationsAttr(instancer), instancer.GetScalesAttr())]
+    matrices, isStanding = matrices.copy(), False
+    for index in broken.tolist():
+        rest = _AtRest(index, *parts)
+        for rows in (slice(0, 3), slice(3, 4)):  # the turn, the way
+            if not np.isfinite(matrices[index, rows]).all() and np.isfinite(rest[rows]).all():
+                matrices[index, rows], isStanding = rest[rows], True
+    return matrices, isStanding
+
+
 def _IsAtRest(instancer):
     """Whether the instances' arrays are the same at all times, so that the core may compose them itself."""
-    moving = (instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
     arrays = (instancer.GetPositionsAttr(), _OrientationsAttr(instancer), instancer.GetScalesAttr())
-    return (not any(attribute.HasAuthoredValue() for attribute in moving)
+    return (not _HasVelocities(instancer)
             and not any(valueClips.Varies(attribute) for attribute in arrays))
 
 
@@ -165,6 +198,8 @@ class PointInstances:
         if not matches:
             self.problem = "orientations, scales or velocities do not match its positions"
             return
+        if not self.isAtRest:
+            self.transforms, _ = InstancesWhereFinite(instancer, self.transforms, timeCode)
         self._indices = np.asarray(indices)
         mask = np.array(instancer.ComputeMaskAtTime(timeCode), bool)
         self.numMasked = len(mask)  # one an id; 0: none is hidden

@@ -11,6 +11,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, Vt
 
 from hdstream.translate import valueClips
+from hdstream.translate.instanceArrays import InstancesWhereFinite
 from hdstream.translate.primvars import FloatRows
 
 # Transforms are sampled at so many equal steps: they may turn by half a circle in each.
@@ -148,8 +149,12 @@ class Motion:
         arrays = instancer.ComputeInstanceTransformsAtTimes(
             [self.At(time) for time in times], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask)
-        samples = _Samples(self._Told(times), [np.asarray(array) for array in arrays], count)
         prim = instancer.GetPrim()
+        if all(len(array) == count for array in arrays):
+            arrays, areStanding = zip(*(InstancesWhereFinite(instancer, array, self.timeCode) for array in arrays))
+            if any(areStanding):
+                warn(prim, "velocities are not finite: instances that have these stand still")
+        samples = _Samples(self._Told(times), [np.asarray(array) for array in arrays], count)
         if not samples and not self._HasVelocities(prim, count, "positions") and any(
                 self._ChangesInNumber(prim.GetAttribute(name), times) for name in names):
             warn(prim, INSTANCES_CHANGE_IN_NUMBER)  # UsdGeom gives those of the frame for all times
