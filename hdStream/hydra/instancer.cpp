@@ -15,6 +15,7 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -23,6 +24,27 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
+
+bool IsFinite(const GfVec3f& velocity) {
+    return std::isfinite(velocity.GetLength());
+}
+
+/// Whether all velocities of instances are numbers.
+bool HasFiniteVelocities(HdSceneDelegate* delegate, const SdfPath& id) {
+    const TfToken names[] = {HdTokens->velocities, HdTokens->accelerations,
+                             HdTokens->angularVelocities};
+    return std::all_of(std::begin(names), std::end(names), [&](const TfToken& name) {
+        const auto values = delegate->Get(id, name).GetWithDefault(VtVec3fArray());
+        return std::all_of(values.cbegin(), values.cend(), IsFinite);
+    });
+}
+
+/// Instances whose angular velocities are not finite do not turn.
+void StopWhereNotFinite(HdStreamTurn* turn) {
+    for (GfVec3f& velocity : turn->degreesPerSecond) {
+        velocity = IsFinite(velocity) ? velocity : GfVec3f(0.0F);
+    }
+}
 
 /// Adds a primvar that is neither motion nor something without floats.
 void ReadPrimvar(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& name,
@@ -115,6 +137,12 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         SyncPrimvars(delegate, bits);
         SyncMotion(delegate, param->Shutter());
+        if (param->Shutter().IsOpen() && !HasFiniteVelocities(delegate, GetId())) {
+            param->Push([path = _scenePath](hds::Session& session) {
+                session.Warn(path,
+                             "velocities are not finite: instances that have these stand still");
+            });
+        }
     }
     if (bits & (HdChangeTracker::DirtyCategories | HdChangeTracker::DirtyInstanceIndex)) {
         _prim.instanceCategories.clear();
@@ -167,16 +195,18 @@ void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter
     std::map<TfToken, HdStreamMovingValue> moving;
     HdStreamTurn turn;
     std::set<double> times;
+    bool isFinite = true; // of which Sync tells
     for (const auto& [name, value] : _values) {
         HdStreamMovingValue values;
         if (!value.IsEmpty()) {
             values = HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
         }
         if (!values.Moves() && name == HdInstancerTokens->instanceTranslations) {
-            values = HdStreamMoveByVelocities(delegate, GetId(), value, shutter);
+            values = HdStreamMoveByVelocities(delegate, GetId(), value, shutter, &isFinite);
         }
         if (!values.Moves() && name == HdInstancerTokens->instanceRotations) {
             turn = HdStreamTurnByVelocities(delegate, GetId(), value.GetArraySize(), shutter);
+            StopWhereNotFinite(&turn);
             times.insert(turn.times.begin(), turn.times.end());
         }
         if (values.Moves()) {

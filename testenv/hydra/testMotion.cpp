@@ -237,6 +237,8 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const SdfPath kSheet("/sheet");
 const std::string kStandStill = "velocities are not finite: points that have these stand still";
+const std::string kInstancesStandStill =
+    "velocities are not finite: instances that have these stand still";
 
 /// Two quads beside each other that velocities move, by how much a second.
 SceneData Sheet(const VtVec3fArray& velocities, const VtVec3fArray& accelerations = {}) {
@@ -303,19 +305,23 @@ TEST_F(Velocities, WhoseAccelerationsAreNotFiniteMoveNothing) {
     EXPECT_EQ(numFound, 1);
 }
 
-/// As those of points.
+/// As those of points; also those by which instances turn.
 TEST_F(Velocities, OfInstancesThatAreNotFiniteMoveNothing) {
     const SdfPath swarm("/swarm");
     const SdfPath cube("/swarm/cube");
-    const auto blurred = [&](const GfVec3f& velocity) {
+    const auto blurred = [&](const GfVec3f& velocity, const GfVec3f& turn) {
         SceneData scene = EmptyScene();
         scene.lights[SdfPath("/dome")] = MakeDome(GfVec3f(0.6F, 0.7F, 0.9F));
         InstancerData instancer;
         const VtVec3fArray places{{-0.9F, 0, 0}, {0, 0, 0}, {0.9F, 0, 0}};
+        const VtQuathArray rotations(3, GfQuath(0.5F, 0.5F, 0.5F, 0.5F));
         const VtVec3fArray velocities{{0, 24, 0}, velocity, {12, 0, 0}};
+        const VtVec3fArray turns{{0, 0, 480}, {480, 0, 0}, turn}; // degrees a second
         for (const auto& [name, value] :
              {std::pair(HdInstancerTokens->instanceTranslations, VtValue(places)),
-              std::pair(HdTokens->velocities, VtValue(velocities))}) {
+              std::pair(HdInstancerTokens->instanceRotations, VtValue(rotations)),
+              std::pair(HdTokens->velocities, VtValue(velocities)),
+              std::pair(HdTokens->angularVelocities, VtValue(turns))}) {
             instancer.primvars.push_back({name, HdInterpolationInstance, {}, value, {}});
         }
         instancer.indicesByPrototype = {{cube, {0, 1, 2}}};
@@ -325,12 +331,17 @@ TEST_F(Velocities, OfInstancesThatAreNotFiniteMoveNothing) {
         scene.gprims[cube] = leaf;
         Host host(scene, Quick({HdAovTokens->color}, 8));
         SetShutter(host, -0.25, 0.5);
-        return host.Render();
+        Image image = host.Render();
+        return std::pair(std::move(image), NumWarnings(host, kInstancesStandStill));
     };
-    const Image expected = blurred(GfVec3f(0.0F));
-    EXPECT_NE(blurred(GfVec3f(0.0F, 24.0F, 0.0F)), expected);
-    for (const GfVec3f& velocity : {GfVec3f(0.0F, kNan, 0.0F), GfVec3f(kInfinity, 3.0F, 0.0F)}) {
-        EXPECT_EQ(blurred(velocity), expected) << velocity;
+    const GfVec3f rest(0.0F);
+    const auto expected = blurred(rest, rest);
+    EXPECT_EQ(expected.second, 0);
+    EXPECT_NE(blurred(GfVec3f(0.0F, 24.0F, 0.0F), rest).first, expected.first);
+    EXPECT_NE(blurred(rest, GfVec3f(0.0F, 480.0F, 0.0F)).first, expected.first);
+    for (const GfVec3f& broken : {GfVec3f(0.0F, kNan, 0.0F), GfVec3f(kInfinity, 3.0F, 0.0F)}) {
+        EXPECT_EQ(blurred(broken, rest), std::pair(expected.first, 1)) << broken;
+        EXPECT_EQ(blurred(rest, broken), std::pair(expected.first, 1)) << broken;
     }
 }
 

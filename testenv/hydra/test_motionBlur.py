@@ -11,7 +11,7 @@ import pathlib
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
 from frontEnds import MODES, CompareFrontEnds, FrontEnds, ReadColor
 from openUsd import RunProgram
@@ -111,3 +111,23 @@ def test_velocities_that_are_not_finite_are_those_of_hdstream_record(mode, openU
     differences, scene, said = _Differences(mode, openUsd, plugin, tmp_path)
     assert differences == []
     assert "points at " in scene and said.count("velocities are not finite: points that have these stand still") == 2
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_instances_whose_velocities_are_not_finite_are_those_of_hdstream_record(mode, openUsd, plugin, isStream, tmp_path):
+    if not isStream:
+        pytest.skip("only Stream writes dumps")
+    motion.Write(tmp_path / "moving.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "moving.usda"))
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Swarm")
+    UsdGeom.Cube.Define(stage, "/World/Swarm/Box").CreateSizeAttr(0.6)
+    swarm.CreatePrototypesRel().SetTargets(["/World/Swarm/Box"])
+    swarm.CreateProtoIndicesAttr([0, 0, 0])
+    swarm.CreatePositionsAttr().Set([(-1.2, 0, 0), (0, 0, 0), (1.2, 0, 0)], motion.FRAME)
+    swarm.CreateOrientationsAttr().Set([Gf.Quath(0.5, 0.5, 0.5, 0.5)] * 3, motion.FRAME)
+    swarm.CreateVelocitiesAttr().Set([(0, 12, 0), (float("nan"), 0, 0), (0, 12, 0)], motion.FRAME)
+    swarm.CreateAngularVelocitiesAttr().Set([(0, 0, 240), (0, 240, 0), (0, float("inf"), 0)], motion.FRAME)
+    stage.GetRootLayer().Save()
+    differences, scene, said = _Differences(mode, openUsd, plugin, tmp_path)
+    assert differences == []
+    assert said.count("velocities are not finite: instances that have these stand still") == 2
