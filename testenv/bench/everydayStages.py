@@ -42,8 +42,8 @@ def _BuildHdStream(job: dict):
     session = _core.Session()
     TranslateStage(Usd.Stage.Open(job["stage"]), session, Usd.TimeCode.Default())
     options = _core.Settings()
-    settings = dict(camera="/World/Camera", imageWidth=job["width"], imageHeight=job["height"], maxDepth=job["maxDepth"], pixelFilter="box",
-                    pixelFilterWidth=1.0)
+    settings = dict(camera=job.get("camera", "/World/Camera"), imageWidth=job["width"], imageHeight=job["height"],
+                    maxDepth=job["maxDepth"], pixelFilter="box", pixelFilterWidth=1.0)
     for name, value in settings.items():
         setattr(options, name, value)
 
@@ -66,7 +66,7 @@ def _BuildMitsuba(job: dict):
     return lambda samples, seed: np.array(render(samples, seed), np.float32)
 
 
-def _Work(job: dict) -> None:
+def Work(job: dict) -> None:
     """Renders what lines of the input ask for, and tells the CPU seconds."""
     render = (_BuildHdStream if job["renderer"] == "hdstream" else _BuildMitsuba)(job)
     for line in sys.stdin:
@@ -111,7 +111,7 @@ def Main() -> None:
     parser.add_argument("--work", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.work:
-        _Work(json.loads(args.work))
+        Work(json.loads(args.work))
     with tempfile.TemporaryDirectory() as folder:
         for name in args.stages.split(","):
             _Compare(name, args, pathlib.Path(folder))

@@ -129,8 +129,11 @@ def _Work(job: dict) -> None:
 class Renderer:
     """A process that stays: a script that renders what lines of its input ask for."""
 
-    def __init__(self, script: str, job: dict, kernels, folder: pathlib.Path):
+    def __init__(self, script: str, job: dict, kernels, folder: pathlib.Path, build: str | None = None):
+        """kernels: a folder of kernels, else the build's own. build: the Python folder of another build."""
         environment = {**os.environ, "POCL_MAX_PTHREAD_COUNT": str(job["threads"])}
+        if build:
+            environment["PYTHONPATH"] = os.pathsep.join([build, environment.get("PYTHONPATH", "")])
         if kernels:
             environment["HDSTREAM_KERNEL_DIR"] = str(kernels)
         self._process = subprocess.Popen([sys.executable, script, "--work", json.dumps(job)], stdin=subprocess.PIPE,
