@@ -196,9 +196,10 @@ def FolderParts(stage: str, pattern: str, only: list = None) -> dict:
 
 
 def Environment(build: pathlib.Path, folder: str) -> dict:
-    """That of all parts. Python keeps its bytecode, whatever the caller says: hundreds of processes would compile our modules."""
+    """That of all parts. Python keeps its bytecode, whatever the caller says: hundreds of processes would compile our modules.
+    Other threads of numpy would spin beside the renders of the tests."""
     environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
-                       PYTHONPATH=str(build / "python"), HDSTREAM_TEST_BUILD=str(build))
+                       PYTHONPATH=str(build / "python"), HDSTREAM_TEST_BUILD=str(build), OPENBLAS_NUM_THREADS="1")
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     return environment
 
