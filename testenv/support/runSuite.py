@@ -46,12 +46,12 @@ MAX_JOBS = 4  # a part needs up to 2 GB
 
 # What takes longest, longest first: whole stages, and tests that are a part of their own: files of a pytest stage, suites of
 # a GoogleTest program. They start before all others; the rest of their stage is one more part. Only time depends on it.
-LONGEST = ("install", "cli/test_performancePage.py", "device/LightEdits.*", "fuzz", "render/test_closed_form.py", "device",
-           "device/Roots.*", "stream", "render", "render/test_libraryNodes.py", "render/test_textureRules.py",
-           "render/test_patterns.py", "render/test_identity.py", "render/test_stability.py", "render/test_motionAverage.py",
-           "render/test_mitsuba.py", "render/test_stages.py", "render/test_media.py", "render/test_meshMedia.py",
-           "render/test_volumes.py", "render/test_hairMitsuba.py",
-           "hydra", "farm", "docs", "stat", "cli")
+LONGEST = ("install", "stream", "stream/test_instanceChunks.py", "stream/test_island.py", "cli/test_performancePage.py", "fuzz",
+           "render/test_motionAverage.py", "render", "stream/test_geometryStreaming.py", "stream/test_rereading.py", "device",
+           "device/Roots.*", "render/test_closed_form.py", "render/test_libraryNodes.py", "render/test_textureRules.py",
+           "render/test_patterns.py", "render/test_identity.py", "render/test_stability.py", "render/test_mitsuba.py",
+           "render/test_stages.py", "render/test_media.py", "render/test_meshMedia.py", "render/test_volumes.py",
+           "render/test_hairMitsuba.py", "hydra", "farm", "docs", "stat", "cli")
 
 # text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds; files: those of each file of tests.
 Outcome = collections.namedtuple("Outcome", "counts text skips cpu files", defaults=((), 0.0, {}))
