@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--changed [COMMIT] | STAGE...]
+"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--files N] [--changed [COMMIT] | STAGE...]
 
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
