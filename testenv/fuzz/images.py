@@ -35,6 +35,12 @@ def _WriteTga(path, pixels) -> None:
     path.write_bytes(header + pixels[..., 2::-1].tobytes())
 
 
+def _RunTool(folder, names, arguments=()) -> None:
+    """Its 260 libraries take longer to load than pictures to write."""
+    outputs = [word for name in names for word in ("-o", str(folder / name))]
+    subprocess.run(["oiiotool", str(folder / "half.exr"), "--ch", "R,G,B", *arguments, *outputs], capture_output=True, check=False)
+
+
 def WriteFormats(folder) -> list:
     """The files, in a fixed order."""
     from hdstream import _core
@@ -52,7 +58,8 @@ def WriteFormats(folder) -> list:
     for name in ("ours.exr", "ours.png", "ours.jpg", "ours.tif", "ours.hdr"):
         _core.WriteImage(str(folder / name), [layer])
     if shutil.which("oiiotool"):
+        _RunTool(folder, [name for name, arguments in _BY_TOOL.items() if not arguments])
         for name, arguments in _BY_TOOL.items():
-            subprocess.run(["oiiotool", str(folder / "half.exr"), "--ch", "R,G,B", *arguments, "-o", str(folder / name)],
-                           capture_output=True, check=False)
+            if not (folder / name).exists():  # a tool without one format writes none of those after it
+                _RunTool(folder, [name], arguments)
     return sorted(path for path in folder.iterdir() if path.stat().st_size > 0)

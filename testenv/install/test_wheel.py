@@ -39,6 +39,16 @@ def test_wheel_holds_every_module_and_names_its_requirements(wheel):
     assert "usd-core" in requirements and "numpy" in requirements
 
 
+@pytest.mark.skipif(sys.prefix == sys.base_prefix, reason="this Python has no folder of its own")
+def test_the_wheel_is_made_of_objects_of_the_build(wheel, source):
+    """Where there is ccache, which compares commands: in these, paths of the tree count from the build folder, and the environment
+    of Python would lie elsewhere from each."""
+    (build,) = (source / "build").glob("*/build.ninja")
+    lines = [line for line in build.read_text().splitlines() if line.startswith(("  INCLUDES = ", "  FLAGS = ", "  DEFINES = "))]
+    assert any("nanobind" in line for line in lines)
+    assert not [line for line in lines if sys.prefix in line]
+
+
 def test_installed_package_is_not_the_build_tree(installed, tmp_path):
     result = Run([installed / "python", "-c", "import hdstream._core as core; print(core.__file__)"],
                  cwd=tmp_path, env=CleanEnvironment())

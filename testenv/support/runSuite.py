@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--changed [COMMIT] | STAGE...]
+"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--files N] [--changed [COMMIT] | STAGE...]
 
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
@@ -25,7 +25,7 @@ import time
 import xml.etree.ElementTree
 
 import changedTests
-from suiteReport import Counts, NotRunLines, ReadJUnit
+from suiteReport import Counts, CpuSecondsByFile, NotRunLines, ReadJUnit
 
 TESTENV = pathlib.Path(__file__).resolve().parent.parent
 ROOT = TESTENV.parent
@@ -46,15 +46,15 @@ MAX_JOBS = 4  # a part needs up to 2 GB
 
 # What takes longest, longest first: whole stages, and tests that are a part of their own: files of a pytest stage, suites of
 # a GoogleTest program. They start before all others; the rest of their stage is one more part. Only time depends on it.
-LONGEST = ("install", "cli/test_performancePage.py", "device/LightEdits.*", "fuzz", "render/test_closed_form.py", "device",
-           "device/Roots.*", "stream", "render", "render/test_libraryNodes.py", "render/test_textureRules.py",
-           "render/test_patterns.py", "render/test_identity.py", "render/test_stability.py", "render/test_motionAverage.py",
-           "render/test_mitsuba.py", "render/test_stages.py", "render/test_media.py", "render/test_meshMedia.py",
-           "render/test_volumes.py", "render/test_hairMitsuba.py",
-           "hydra", "farm", "docs", "stat", "cli")
+LONGEST = ("install", "stream", "stream/test_instanceChunks.py", "stream/test_island.py", "cli/test_performancePage.py", "fuzz",
+           "render/test_motionAverage.py", "render", "stream/test_geometryStreaming.py", "stream/test_rereading.py", "device",
+           "device/Roots.*", "render/test_closed_form.py", "render/test_libraryNodes.py", "render/test_textureRules.py",
+           "render/test_patterns.py", "render/test_identity.py", "render/test_stability.py", "render/test_mitsuba.py",
+           "render/test_stages.py", "render/test_media.py", "render/test_meshMedia.py", "render/test_volumes.py",
+           "render/test_hairMitsuba.py", "hydra", "farm", "docs", "stat", "cli")
 
-# text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds.
-Outcome = collections.namedtuple("Outcome", "counts text skips cpu", defaults=((), 0.0))
+# text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds; files: those of each file of tests.
+Outcome = collections.namedtuple("Outcome", "counts text skips cpu files", defaults=((), 0.0, {}))
 
 
 def RunQuietly(command: list, environment: dict) -> tuple[int, str, float]:
@@ -84,7 +84,7 @@ def RunQuietly(command: list, environment: dict) -> tuple[int, str, float]:
             ended[2].ru_utime + ended[2].ru_stime)
 
 
-def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outcome:
+def RunReporting(command: list, report: pathlib.Path, environment: dict, stage: str = "") -> Outcome:
     """Runs a command that writes `report`. A bad end without a counted failure is a failure too."""
     code, text, cpu = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
@@ -93,8 +93,8 @@ def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outc
     except (OSError, xml.etree.ElementTree.ParseError):
         return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report", (), cpu)
     if not isGood and counts.failed == 0:
-        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed", skips, cpu)
-    return Outcome(counts, text, skips, cpu)
+        counts, text = counts._replace(failed=1), f"{text}\nexit code {code} although no test failed"
+    return Outcome(counts, text, skips, cpu, CpuSecondsByFile(stage, report))
 
 
 def RunCheck(command: list) -> Outcome:
@@ -106,7 +106,8 @@ def Sum(outcomes: list) -> Outcome:
     """The outcome of a stage from those of its parts."""
     return Outcome(Counts(*map(sum, zip(*(outcome.counts for outcome in outcomes)))),
                    "\n".join(outcome.text for outcome in outcomes if outcome.text.strip()),
-                   [reason for outcome in outcomes for reason in outcome.skips], sum(outcome.cpu for outcome in outcomes))
+                   [reason for outcome in outcomes for reason in outcome.skips], sum(outcome.cpu for outcome in outcomes),
+                   {file: seconds for outcome in outcomes for file, seconds in outcome.files.items()})
 
 
 def InOrder(stages: dict) -> list:
@@ -116,11 +117,11 @@ def InOrder(stages: dict) -> list:
     return sorted(parts, key=lambda names: rank.get(names[1], len(rank)))
 
 
-def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
+def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict, dict]:
     """Runs the parts of stages, numJobs at a time; prints each stage when its last part ends. stages: name -> {part ->
-    function that runs it}. Returns the counts of all, and why tests were skipped by stage."""
+    function that runs it}. Returns the counts of all, why tests were skipped by stage, and seconds by file."""
     total = Counts(0, 0, 0)
-    skips = {}
+    skips, files = {}, {}
     left = {stage: dict.fromkeys(parts) for stage, parts in stages.items()}
     start = time.monotonic()
 
@@ -134,7 +135,8 @@ def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
             left[stage][part] = outcome
             if not all(left[stage].values()):
                 continue
-            counts, text, skips[stage], cpu = Sum(list(left[stage].values()))
+            counts, text, skips[stage], cpu, ofStage = Sum(list(left[stage].values()))
+            files.update(ofStage)
             if text.strip():
                 print(f"\n{stage}:\n{text.strip()}")
             print(f"{stage:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped "
@@ -142,7 +144,7 @@ def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
             total = Counts(*map(sum, zip(total, counts)))
     finally:
         executor.shutdown(cancel_futures=True)  # Ctrl-C: those not yet started
-    return total, skips
+    return total, skips, files
 
 
 def FormatCommand() -> list:
@@ -193,6 +195,15 @@ def FolderParts(stage: str, pattern: str, only: list = None) -> dict:
     return {**parts, stage: [*command, folder, *(f"--ignore={folder / name}" for name in names)]}
 
 
+def Environment(build: pathlib.Path, folder: str) -> dict:
+    """That of all parts. Python keeps its bytecode, whatever the caller says: hundreds of processes would compile our modules.
+    Other threads of numpy would spin beside the renders of the tests."""
+    environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
+                       PYTHONPATH=str(build / "python"), HDSTREAM_TEST_BUILD=str(build), OPENBLAS_NUM_THREADS="1")
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    return environment
+
+
 def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path, only: dict) -> tuple[dict, dict]:
     """Stage name -> {part -> function that runs it and returns its outcome}; and stages that cannot be run: why. only: stage
     -> the tests to run of it, where that is not all."""
@@ -211,7 +222,8 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
         stages[stage] = {}
         for index, (part, command) in enumerate(parts.items()):
             report = reports / f"{stage}{index}.xml"
-            stages[stage][part] = lambda c=[*command, f"{reportOption}{report}"], r=report: RunReporting(c, r, environment)
+            words = [*command, f"{reportOption}{report}"]
+            stages[stage][part] = lambda w=words, r=report: RunReporting(w, r, environment, stage)
 
     for label, place in PROGRAMS.items():
         program = build / place
@@ -232,6 +244,7 @@ def Main() -> int:
                         help="parts of stages at a time (%(default)s)")
     parser.add_argument("--changed", metavar="COMMIT", nargs="?", const="",
                         help="only what files can break that differ from COMMIT (where this branch left main)")
+    parser.add_argument("--files", metavar="N", type=int, default=0, help="also list the N files that took the most CPU time")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
     only, whyNot = {}, "not asked for"
@@ -242,9 +255,7 @@ def Main() -> int:
         print("changed: " + (" ".join(paths) or "nothing"))
         only, whyNot = changedTests.Selection(paths), "nothing that was changed has its tests there"
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
-        environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
-                           PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
-                           HDSTREAM_TEST_BUILD=str(options.build))
+        environment = Environment(options.build, folder)
         stages, absent = Stages(options.build, options.k, environment, pathlib.Path(folder), only)
         unknown = [name for name in options.stages if name not in stages and name not in absent]
         if unknown:
@@ -252,7 +263,9 @@ def Main() -> int:
         asked = options.stages or only or stages
         chosen = {name: run for name, run in stages.items() if name in asked}
         absent.update({name: whyNot for name in stages if name not in chosen})
-        total, skips = RunStages(chosen, max(options.j, 1))
+        total, skips, files = RunStages(chosen, max(options.j, 1))
+    for file in sorted(files, key=files.get, reverse=True)[:options.files]:
+        print(f"  {files[file]:7.1f} s  {file}")
     print("", *NotRunLines(absent, skips), sep="\n")
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.failed == 0 and total.passed > 0 else 1

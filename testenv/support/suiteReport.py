@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree
 
 Counts = collections.namedtuple("Counts", "passed failed skipped")
+CPU_SECONDS = "cpuSeconds"  # a property of tests in the reports of pytest
 
 # Areas that are a part of a stage: name, a pattern of the reason with which their tests are skipped. A test whose reason
 # matches none belongs to the area that has its stage's name.
@@ -29,6 +30,16 @@ def ReadJUnit(path: pathlib.Path) -> tuple[Counts, list]:
         else:
             passed += 1
     return Counts(passed, failed, len(reasons)), reasons
+
+
+def CpuSecondsByFile(stage: str, path: pathlib.Path) -> dict:
+    """"STAGE/FILE" -> the CPU seconds that the tests of a pytest file said they took, their processes too (conftest.py), or
+    "STAGE/SUITE" -> the seconds of a suite of GoogleTest, which are those of a clock."""
+    seconds = collections.Counter()
+    for case in xml.etree.ElementTree.parse(path).iter("testcase"):
+        said = [entry.get("value") for entry in case.iter("property") if entry.get("name") == CPU_SECONDS]
+        seconds[f"{stage}/{case.get('classname', '').rpartition('.')[2]}"] += float(said[0] if said else case.get("time", 0))
+    return dict(seconds)
 
 
 def _Reason(skipped) -> str:

@@ -2,6 +2,7 @@
 """The suite's own counting: no failure may get lost between a test program and the closing line."""
 
 import pathlib
+import subprocess
 import sys
 
 import pytest
@@ -10,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import runSuite  # noqa: E402
 from runSuite import Counts, Outcome, ReadJUnit, RunReporting, RunStages  # noqa: E402
-from suiteReport import NotRunLines  # noqa: E402
+from suiteReport import CpuSecondsByFile, NotRunLines  # noqa: E402
 
 GOOGLETEST = """<testsuites tests="4" failures="1" disabled="1" errors="0"><testsuite name="A">
 <testcase name="Passes" status="run" result="completed"/>
@@ -33,6 +34,28 @@ def test_cases_are_counted_once_each_and_skips_keep_their_reasons(text, counts, 
     assert ReadJUnit(tmp_path / "report.xml") == (counts, reasons)
 
 
+def test_cpu_seconds_of_files_are_those_of_their_tests_and_processes(tmp_path):
+    work = "import time\nend = time.process_time() + {}\nwhile time.process_time() < end: pass\n"
+    (tmp_path / "conftest.py").write_text((runSuite.TESTENV / "conftest.py").read_text()
+                                          .replace("__file__", repr(str(runSuite.TESTENV / "conftest.py"))))
+    (tmp_path / "test_busy.py").write_text(f"""import subprocess, sys, time, pytest
+@pytest.fixture(scope="module")
+def busy():
+    exec({work.format(0.2)!r})
+def test_a(busy): pass
+def test_b(): subprocess.run([sys.executable, "-c", {work.format(0.3)!r}])
+""")
+    (tmp_path / "test_idle.py").write_text("def test_c(): pass\ndef test_d(): assert False\n")
+    report = tmp_path / "report.xml"
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", tmp_path, f"--junitxml={report}"]
+    outcome = RunReporting(command, report, None, "stage")
+    assert outcome.counts == Counts(3, 1, 0)
+    assert outcome.files.keys() == {"stage/test_busy", "stage/test_idle"}
+    assert outcome.files["stage/test_busy"] >= 0.5 and sum(outcome.files.values()) <= outcome.cpu
+    report.write_text("""<a><testcase classname="S" time="1.5"/><testcase classname="S" time="2"/><testcase classname="T/0"/></a>""")
+    assert CpuSecondsByFile("device", report) == {"device/S": 3.5, "device/T/0": 0.0}
+
+
 @pytest.mark.parametrize("program, counts", [
     ("import os; os.abort()", Counts(0, 1, 0)),  # dies before it reports
     ("import sys; sys.exit(1)", Counts(0, 1, 0)),
@@ -49,7 +72,7 @@ def test_a_bad_end_is_a_failure(program, counts, tmp_path):
 def test_stages_of_several_jobs_are_all_counted_and_shown(capsys):
     stages = {f"s{i}": {f"s{i}": lambda i=i: Outcome(Counts(i, i % 2, 1), "what went wrong" if i == 3 else "")}
               for i in range(6)}
-    assert RunStages(stages, 3) == (Counts(15, 3, 6), {f"s{i}": [] for i in range(6)})
+    assert RunStages(stages, 3) == (Counts(15, 3, 6), {f"s{i}": [] for i in range(6)}, {})
     output = capsys.readouterr().out
     assert all(f"s{i} " in output for i in range(6)) and "s3:\nwhat went wrong\ns3 " in output
 
@@ -59,8 +82,9 @@ def test_parts_of_a_stage_are_one_line_and_the_longest_start_first(capsys, monke
     started = []
     Part = lambda name, *outcome: lambda: started.append(name) or Outcome(*outcome)
     stages = {"a": {"a": Part("a", Counts(1, 0, 0), "")},
-              "b": {"b/slow": Part("b/slow", Counts(2, 1, 0), "oh", (), 1.5), "b": Part("b", Counts(4, 0, 1), "", ["why"], 2.0)}}
-    assert RunStages(stages, 1) == (Counts(7, 1, 1), {"a": [], "b": ["why"]})
+              "b": {"b/slow": Part("b/slow", Counts(2, 1, 0), "oh", (), 1.5, {"b/slow": 1.5}),
+                    "b": Part("b", Counts(4, 0, 1), "", ["why"], 2.0, {"b/one": 0.5, "b/two": 1.5})}}
+    assert RunStages(stages, 1) == (Counts(7, 1, 1), {"a": [], "b": ["why"]}, {"b/slow": 1.5, "b/one": 0.5, "b/two": 1.5})
     assert started == ["b/slow", "b", "a"]
     lines = capsys.readouterr().out.split("\n")
     assert [line.split()[:6] for line in lines if line.startswith("b ")] == [["b", "6", "passed", "1", "failed", "1"]]
@@ -111,6 +135,16 @@ def test_stages_that_lack_what_they_need_are_named_and_missing_programs_fail(tmp
     assert all(run().counts == Counts(0, 1, 0) for run in stages["unit"].values())  # only the one of Hydra may be missing
     stages, absent = runSuite.Stages(tmp_path, "Word", {}, tmp_path, {})
     assert absent.keys() == {"layers", "format", "hydraHost"} and not absent.keys() & stages.keys()
+
+
+def test_processes_of_parts_find_modules_compiled(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    package = tmp_path / "python" / "hdstream"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    run = subprocess.run([sys.executable, "-c", "import hdstream; print(hdstream.__cached__)"], capture_output=True, text=True,
+                         env=runSuite.Environment(tmp_path, str(tmp_path)))
+    assert pathlib.Path(run.stdout.strip()).is_file(), run.stderr
 
 
 def test_the_block_stands_before_the_counts_which_are_last(tmp_path, monkeypatch, capsys):
