@@ -14,6 +14,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace hds {
 
@@ -265,55 +266,77 @@ ChunkBytes ChunkedGeometry::Make(std::uint32_t chunk) const {
     const std::shared_ptr<const Cut> cut = Hold(&isMade);
     ChunkBytes pages = MakePages(*cut, chunk);
     if (isMade && _keeper) {
-        _keeper->CountMade();
-        MakeAhead(*cut, chunk);
+        CountMade(chunk);
     }
     return pages;
 }
 
-/// Makes chunks that nobody has asked for, after `chunk`, for which the source was made. The first
-/// time none, since it may stay. Then an eighth, which takes about as long as the source did, and
-/// each time twice as many, until all are there.
-void ChunkedGeometry::MakeAhead(const Cut& cut, std::uint32_t chunk) const {
+/// \param chunk for which the source was made.
+void ChunkedGeometry::CountMade(std::uint32_t chunk) const {
+    _keeper->CountMade();
+    const std::lock_guard<std::mutex> lock(_mutex);
+    ++_numMade;
+    _isMadeAgain = _numMade > 1;
+    _firstAhead = _numAhead == 0 ? chunk : _firstAhead;
+}
+
+// The first time none, since the source may stay. Then an eighth, which takes about as long as the
+// source did, and each time twice as many, until all are there.
+void ChunkedGeometry::MakeAhead(const std::function<bool()>& isCancelled) const {
     const auto numChunks = static_cast<std::uint32_t>(_summary.NumChunks());
+    std::shared_ptr<const Cut> cut;
     std::uint32_t begin = 0;
     std::uint32_t count = 0;
     {
         const std::lock_guard<std::mutex> lock(_mutex);
-        ++_numMade;
-        if (_numMade < 2 || !_store || !_store->HasSpareRoom()) {
+        if (!std::exchange(_isMadeAgain, false) || !_kept || !_store || !_store->HasSpareRoom()) {
             return;
         }
-        _firstAhead = _numAhead == 0 ? chunk : _firstAhead;
+        cut = _kept;
         begin = _firstAhead + _numAhead;
         count = _numMade < 5 ? std::max(1U, (numChunks / kFirstAheadDivisor) << (_numMade - 2))
                              : numChunks;
         count = std::min(count, numChunks - _numAhead);
         _numAhead += count;
     }
-    std::atomic<bool> isKept{true}; // else the store is full
-    // A thread that waits makes nothing else meanwhile: it would hold what that is made of, too.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(begin, begin + count, [&](std::uint32_t i) {
-            const std::uint32_t ahead = i % numChunks;
-            if (ahead == chunk || IsStored(ahead) || !isKept || !_store->HasSpareRoom()) {
+    std::atomic<bool> isKept{true};  // else the store is full
+    std::atomic<bool> isOver{false}; // for this time
+    // One by one, so that the thread that may ask has its turn as long as there are any.
+    tbb::parallel_for(
+        begin, begin + count,
+        [&](std::uint32_t i) {
+            if (isOver || !isKept) {
                 return;
             }
-            const ChunkBytes pages = MakePages(cut, ahead);
-            for (std::uint32_t page = 0; page < pages.size(); ++page) {
-                if (!_store->Save(*Key(ahead, page), pages[page].data(), pages[page].size())) {
-                    isKept = false;
-                }
+            if (isCancelled() || !_store->HasSpareRoom()) {
+                isOver = true;
+            } else if (!KeepAhead(*cut, i % numChunks)) {
+                isKept = false;
             }
-            if (isKept) {
-                _keeper->CountAhead();
-            }
-        });
-    });
+        },
+        tbb::simple_partitioner());
+    const std::lock_guard<std::mutex> lock(_mutex);
     if (!isKept) {
-        const std::lock_guard<std::mutex> lock(_mutex);
         _numAhead = numChunks; // others would not be kept either
+    } else if (isOver) {
+        _numAhead = std::min(_numAhead, begin - _firstAhead); // the rest another time
     }
+}
+
+/// Makes a chunk that nobody has asked for, unless the store has it.
+/// \return false when the store did not keep it.
+bool ChunkedGeometry::KeepAhead(const Cut& cut, std::uint32_t chunk) const {
+    if (IsStored(chunk)) {
+        return true;
+    }
+    const ChunkBytes pages = MakePages(cut, chunk);
+    for (std::uint32_t page = 0; page < pages.size(); ++page) {
+        if (!_store->SaveAhead(*Key(chunk, page), pages[page].data(), pages[page].size())) {
+            return false;
+        }
+    }
+    _keeper->CountAhead();
+    return true;
 }
 
 bool ChunkedGeometry::IsStored(std::uint32_t chunk) const {

@@ -63,9 +63,10 @@ public:
     std::shared_ptr<const Cut> Hold() const;
 
     std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
-    /// Where the source was made for this again, it also makes others, which the store keeps: the
-    /// more often it is made the more, so that it is not made very often (docs/accel.md).
     ChunkBytes Make(std::uint32_t chunk) const override;
+    /// Where the source was made again: the more often it is made the more chunks, so that it is
+    /// not made very often (docs/accel.md).
+    void MakeAhead(const std::function<bool()>& isCancelled) const override;
     void BeginMaking() const override;
     void EndMaking() const override;
     PageStore* Store() const override { return _store.get(); }
@@ -84,7 +85,8 @@ private:
     std::shared_ptr<const Cut> MakeCut() const;
     std::shared_ptr<const Cut> Hold(bool* isMade) const;
     ChunkBytes MakePages(const Cut& cut, std::uint32_t chunk) const;
-    void MakeAhead(const Cut& cut, std::uint32_t chunk) const;
+    void CountMade(std::uint32_t chunk) const;
+    bool KeepAhead(const Cut& cut, std::uint32_t chunk) const;
     bool IsStored(std::uint32_t chunk) const;
     std::uint64_t BytesOf(const Cut& cut) const;
 
@@ -100,6 +102,7 @@ private:
     mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper, or chunks are made
     mutable std::uint32_t _numMaking = 0;     ///< who makes chunks now (BeginMaking)
     mutable std::uint32_t _numMade = 0;       ///< times that the source was made for pages
+    mutable bool _isMadeAgain = false;        ///< since MakeAhead was called
     mutable std::uint32_t _numAhead = 0;      ///< chunks that MakeAhead has taken on
     mutable std::uint32_t _firstAhead = 0;    ///< of these, which follow each other
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/accel/geometryPages.h"
 
+#include "hdStream/base/callerQuestion.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -41,7 +43,8 @@ private:
 
 /// Makes chunks, those of one maker together: what they are made of may be more than is kept, and
 /// is made once.
-std::vector<ChunkPages::Made> Make(const std::vector<const PreparedPages::Wanted*>& chunks) {
+std::vector<ChunkPages::Made> Make(const std::vector<const PreparedPages::Wanted*>& chunks,
+                                   const std::function<bool()>& isCancelled) {
     std::vector<std::size_t> begins;
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         if (i == 0 || &chunks[i]->chunk->Maker() != &chunks[i - 1]->chunk->Maker()) {
@@ -50,13 +53,16 @@ std::vector<ChunkPages::Made> Make(const std::vector<const PreparedPages::Wanted
     }
     begins.push_back(chunks.size());
     std::vector<ChunkPages::Made> made(chunks.size());
+    CallerQuestion isOver(isCancelled);
     tbb::parallel_for(std::size_t{0}, begins.size() - 1, [&](std::size_t group) {
-        const Making making(chunks[begins[group]]->chunk->Maker());
+        const PageMaker& maker = chunks[begins[group]]->chunk->Maker();
+        const Making making(maker);
         // A thread that waits inside begins no other group: it would hold what both are made of.
         tbb::this_task_arena::isolate([&] {
             tbb::parallel_for(begins[group], begins[group + 1], [&](std::size_t i) {
                 made[i] = chunks[i]->chunk->Prepare(chunks[i]->isWanted);
             });
+            maker.MakeAhead([&isOver] { return isOver.Ask(); });
         });
     });
     return made;
@@ -64,7 +70,8 @@ std::vector<ChunkPages::Made> Make(const std::vector<const PreparedPages::Wanted
 
 } // namespace
 
-void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
+void PreparedPages::Prepare(const std::vector<Wanted>& wanted,
+                            const std::function<bool()>& isCancelled) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<const Wanted*> missing;
     std::uint64_t bytesToCome = 0;
@@ -89,7 +96,7 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
     }
     std::vector<ChunkPages::Made> made;
     try {
-        made = Make(missing);
+        made = Make(missing, isCancelled);
     } catch (...) { // memory has run out: what was to be made is forgotten
         for (std::size_t i = 0; i < missing.size(); ++i) {
             Forget(*missing[i]->chunk, bytesBefore[i]);
@@ -153,6 +160,7 @@ void PreparedPages::Clear() {
 bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCount* made,
                                std::uint32_t first) {
     const std::size_t numChunks = _chunks.size() - first;
+    CallerQuestion isOver(isCancelled);
     std::vector<PreparedPages::Wanted> batch;
     std::uint64_t bytes = 0;
     for (std::size_t i = first; i <= _chunks.size(); ++i) {
@@ -160,10 +168,10 @@ bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled, WorkCou
             if (made != nullptr) {
                 *made = {i - first - batch.size(), numChunks};
             }
-            if (isCancelled && isCancelled()) {
+            if (isOver.Ask()) {
                 return false;
             }
-            _prepared.Prepare(batch);
+            _prepared.Prepare(batch, [&isOver] { return isOver.Ask(); });
             batch.clear();
             bytes = 0;
         }
@@ -196,7 +204,8 @@ std::uint64_t GeometryPages::TotalBytes(bool* isExact) const {
     return bytes;
 }
 
-void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages) {
+void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages,
+                            const IsCancelled& isCancelled) {
     std::vector<std::uint32_t> sorted = pages;
     std::sort(sorted.begin(), sorted.end());
     std::vector<PreparedPages::Wanted> wanted;
@@ -206,7 +215,7 @@ void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages) {
         }
         wanted.back().isWanted[page % ChunkPages::kNumPages] = true;
     }
-    _prepared.Prepare(wanted);
+    _prepared.Prepare(wanted, isCancelled);
 }
 
 } // namespace hds

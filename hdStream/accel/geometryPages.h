@@ -30,8 +30,9 @@ public:
     };
 
     /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once. When memory
-    /// runs out it throws, and these are forgotten too.
-    void Prepare(const std::vector<Wanted>& wanted);
+    /// runs out it throws, and these are forgotten too. \param isCancelled asked by this thread
+    /// between chunks that are made ahead (PageMaker::MakeAhead); those that are wanted are made.
+    void Prepare(const std::vector<Wanted>& wanted, const std::function<bool()>& isCancelled = {});
     /// A chunk lost a page.
     void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
 
@@ -114,7 +115,8 @@ public:
     bool ShouldStay(std::uint32_t page) const override {
         return _shouldStay[page / ChunkPages::kNumPages];
     }
-    void Prepare(const std::vector<std::uint32_t>& pages) override;
+    void Prepare(const std::vector<std::uint32_t>& pages,
+                 const IsCancelled& isCancelled = {}) override;
     const std::uint8_t* Page(std::uint32_t page) const override {
         return ChunkOf(page)->Data(page % ChunkPages::kNumPages).data();
     }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -27,6 +28,12 @@ public:
     /// Between these two several chunks may be made: what they are all made of is not made twice.
     virtual void BeginMaking() const {}
     virtual void EndMaking() const {}
+    /// Between them, after those that are wanted: makes chunks that nobody has asked for, and keeps
+    /// them in the store, where that saves time. \param isCancelled asked before each of them, on
+    /// any thread.
+    virtual void MakeAhead(const std::function<bool()>& isCancelled) const {
+        static_cast<void>(isCancelled);
+    }
 
     /// Where finished pages are kept; null: nowhere.
     virtual PageStore* Store() const = 0;

@@ -10,6 +10,7 @@
 #include "hdStream/persist/file.h"
 #include "hdStream/persist/pageFormat.h"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -76,6 +77,10 @@ public:
     /// From now on no process removes the file for lack of room; it counts as used just now.
     void MarkUsed();
     bool IsUsed() const { return _isUsed.load(std::memory_order_relaxed); }
+    /// Bytes up to the end of the last page that is known to be in it.
+    std::uint64_t FilledBytes() const {
+        return std::max(_readableBytes, _written.load(std::memory_order_relaxed));
+    }
 
     /// Takes room for a page; Write() fills it. Needs IsWriter().
     /// \param hasFailed set when the file could not be written (errno).

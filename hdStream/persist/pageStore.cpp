@@ -25,6 +25,9 @@ namespace {
 constexpr std::uint64_t kMinSegmentBytes = 256U << 10U;
 /// New segments are at most this part of the whole, so that the oldest can leave one by one.
 constexpr std::uint64_t kSegmentsPerStore = 8;
+/// Part of what is left that pages which nobody asks for may take: each of those that somebody asks
+/// for, but that finds no room, is made again and again.
+constexpr std::uint64_t kSpareDivisor = 2;
 /// Times a name is tried for a new segment; another process may take its file away each time.
 constexpr int kCreateAttempts = 8;
 
@@ -37,7 +40,8 @@ struct KnownPage {
     StoredPage stored;
     std::uint32_t segment = 0;
     bool isVerified = false;
-    bool isUsed = false; ///< PageStore::UsedPages
+    bool isUsed = false;  ///< PageStore::UsedPages
+    bool isAhead = false; ///< by SaveAhead, and nobody has asked for it since
 };
 
 /// A page to read or write without a lock; its segment stays open meanwhile.
@@ -75,6 +79,8 @@ struct PageStore::Impl {
     std::optional<FoundPage> Find(const PageKey& key);
     std::optional<FoundPage> FindVerified(const PageKey& key);
     void Reject(const PageKey& key, const FoundPage& page);
+    bool Save(const PageKey& key, const void* data, std::size_t bytes, bool isAhead);
+    void CountAsked(KnownPage* page);
     std::optional<FoundPage> Reserve(std::uint64_t bytes);
     bool ReadyWriter();
     bool StartSegment(std::uint64_t pageBytes);
@@ -90,6 +96,7 @@ struct PageStore::Impl {
     mutable std::shared_mutex mutex;
     std::unordered_map<PageKey, KnownPage> pages;
     std::vector<std::shared_ptr<PageSegment>> segments; ///< by number; null: gone
+    std::uint64_t aheadBytes = 0;                       ///< of pages that are isAhead
 
     std::mutex writeMutex;
     std::shared_ptr<PageSegment> writer;
@@ -137,7 +144,7 @@ void PageStore::Impl::AddSegment(std::shared_ptr<PageSegment> segment,
     segments.push_back(std::move(segment));
     pages.reserve(pages.size() + indexed.size());
     for (const IndexedPage& page : indexed) {
-        pages[page.key] = {page.page, number, false, false};
+        pages[page.key] = {page.page, number};
     }
 }
 
@@ -152,7 +159,7 @@ std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) {
         }
         const KnownPage& page = found->second;
         result = FoundPage{page.stored, page.segment, page.isVerified, segments[page.segment]};
-        if (page.isUsed) {
+        if (page.isUsed && !page.isAhead) {
             return result;
         }
     }
@@ -160,11 +167,18 @@ std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) {
         result->segment->MarkUsed(); // nobody deletes it from now on
     }
     const std::unique_lock<std::shared_mutex> lock(mutex);
-    if (const auto found = pages.find(key); found != pages.end() && !found->second.isUsed) {
-        found->second.isUsed = true;
-        ++numUsed;
+    if (const auto found = pages.find(key); found != pages.end()) {
+        CountAsked(&found->second);
     }
     return result;
+}
+
+/// Somebody asks for a page. \pre mutex is held.
+void PageStore::Impl::CountAsked(KnownPage* page) {
+    aheadBytes -= page->isAhead ? page->stored.bytes : 0;
+    page->isAhead = false;
+    numUsed += page->isUsed ? 0 : 1;
+    page->isUsed = true;
 }
 
 /// A page that is verified now, and marked as used.
@@ -347,32 +361,40 @@ bool PageStore::Load(const PageKey& key, std::vector<std::uint8_t>* bytes) {
 }
 
 bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
-    if (_impl->Find(key)) {
-        return true;
-    }
-    if (!_impl->isWriting || _impl->process != ::getpid()) {
-        ++_impl->pagesNotKept;
+    return _impl->Find(key) || _impl->Save(key, data, bytes, false);
+}
+
+bool PageStore::SaveAhead(const PageKey& key, const void* data, std::size_t bytes) {
+    return Contains(key) || _impl->Save(key, data, bytes, true);
+}
+
+/// Of a page that is not there.
+bool PageStore::Impl::Save(const PageKey& key, const void* data, std::size_t bytes, bool isAhead) {
+    if (!isWriting || process != ::getpid()) {
+        ++pagesNotKept;
         return false;
     }
     const std::uint64_t checksum = PayloadChecksum(data, bytes);
-    auto page = _impl->Reserve(bytes);
+    auto page = Reserve(bytes);
     if (!page) {
-        ++_impl->pagesNotKept;
+        ++pagesNotKept;
         return false;
     }
     page->stored.checksum = checksum;
     page->segment->MarkUsed();
     if (!page->segment->Write(key, page->stored, data)) {
-        _impl->StopWriting(ErrnoText());
-        ++_impl->pagesNotKept;
+        StopWriting(ErrnoText());
+        ++pagesNotKept;
         return false;
     }
-    ++_impl->pagesSaved;
-    _impl->bytesSaved += bytes;
-    const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
-    if (_impl->segments[page->number] != nullptr) { // else Clear() came in between
-        _impl->pages.emplace(key, KnownPage{page->stored, page->number, true, true});
-        ++_impl->numUsed;
+    ++pagesSaved;
+    bytesSaved += bytes;
+    const std::unique_lock<std::shared_mutex> lock(mutex);
+    if (segments[page->number] != nullptr) { // else Clear() came in between
+        const KnownPage known{page->stored, page->number, true, true, isAhead};
+        const bool isNew = pages.emplace(key, known).second;
+        aheadBytes += isNew && isAhead ? bytes : 0;
+        ++numUsed;
     }
     return true;
 }
@@ -464,6 +486,7 @@ std::uint64_t PageStore::Clear() {
     const std::lock_guard<std::mutex> writeLock(_impl->writeMutex);
     const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
     _impl->pages.clear();
+    _impl->aheadBytes = 0;
     _impl->writer.reset();
     _impl->isFull = false;
     for (std::shared_ptr<PageSegment>& segment : _impl->segments) {
@@ -483,7 +506,16 @@ bool PageStore::IsWriting() const {
 }
 
 bool PageStore::HasSpareRoom() const {
-    return _impl->isWriting && _impl->bytesSaved <= _impl->options.maxBytes / 2;
+    const std::shared_lock<std::shared_mutex> lock(_impl->mutex);
+    std::uint64_t taken = 0;
+    for (const std::shared_ptr<PageSegment>& segment : _impl->segments) {
+        taken += segment != nullptr && segment->IsUsed() ? segment->FilledBytes() : 0;
+    }
+    const std::uint64_t ahead = _impl->aheadBytes;
+    const std::uint64_t ofOthers = taken - std::min(taken, ahead);
+    const std::uint64_t left =
+        _impl->options.maxBytes - std::min(_impl->options.maxBytes, ofOthers);
+    return _impl->isWriting && ahead < left / kSpareDivisor;
 }
 
 } // namespace hds

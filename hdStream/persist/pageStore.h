@@ -101,6 +101,8 @@ public:
     /// saved any more, what was saved stays readable.
     /// \return whether the page is in the store now.
     bool Save(const PageKey& key, const void* data, std::size_t bytes);
+    /// The same for a page that nobody has asked for yet (HasSpareRoom).
+    bool SaveAhead(const PageKey& key, const void* data, std::size_t bytes);
 
     /// A page that should not have been saved: it is absent from now on, and in stores that are
     /// opened later.
@@ -135,8 +137,9 @@ public:
     const std::string& Directory() const;
     /// Whether pages are still saved.
     bool IsWriting() const;
-    /// Whether there is room for pages that nobody has asked for: what this store has saved takes
-    /// at most half of maxBytes.
+    /// Whether there is room for SaveAhead: pages of it that nobody has asked for since take at
+    /// most half of what all others leave of maxBytes. The others are all segments that cannot
+    /// leave as long as this store is open.
     bool HasSpareRoom() const;
 
 private:

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/geometryStore.h"
 
+#include "hdStream/base/callerQuestion.h"
 #include "hdStream/scene/hostRecords.h"
 
 #include <tbb/parallel_for.h>
 
-#include <atomic>
-#include <thread>
 #include <utility>
 
 namespace hds {
@@ -70,17 +69,14 @@ std::vector<std::shared_ptr<const PlannedGeometry>>
 GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
                     const CancelCallback& isCancelled, ClosedMeshes* closed) const {
     std::vector<std::shared_ptr<const PlannedGeometry>> planned(prims.size());
-    std::atomic<bool> isStopped{false};
-    const std::thread::id caller = std::this_thread::get_id();
+    CallerQuestion isStopped(isCancelled);
     _numPlanned = 0;
     _numToPlan = prims.size();
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, prims.size(), kGrain),
         [&](const tbb::blocked_range<std::size_t>& range) {
-            if (std::this_thread::get_id() == caller && isCancelled && isCancelled()) {
-                isStopped = true;
-            }
-            for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
+            isStopped.Ask();
+            for (std::size_t i = range.begin(); i < range.end() && !isStopped.IsYes(); ++i) {
                 // Arrays that are read for it are not read again to plan.
                 const auto held = closed != nullptr ? closed->Look(prims[i].second->geometry)
                                                     : std::shared_ptr<const void>();

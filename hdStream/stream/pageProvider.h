@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace hds {
@@ -34,8 +35,11 @@ public:
     virtual std::uint64_t PageId(std::uint32_t page) const = 0;
     /// Whether a page is better kept once it has been loaded, as far as a pool has room for such.
     virtual bool ShouldStay(std::uint32_t page) const = 0;
+    using IsCancelled = std::function<bool()>;
     /// Makes the bytes of some pages ready, on all cores. Afterwards those of others may be gone.
-    virtual void Prepare(const std::vector<std::uint32_t>& pages) = 0;
+    /// \param isCancelled asked by this thread while more than these are made; may be empty.
+    virtual void Prepare(const std::vector<std::uint32_t>& pages,
+                         const IsCancelled& isCancelled = {}) = 0;
     /// The bytes of a page of the last Prepare, valid until the next one.
     virtual const std::uint8_t* Page(std::uint32_t page) const = 0;
     /// Where a page lies in the persistent cache. \return false when it is not there.

@@ -223,7 +223,7 @@ void StreamingPool::ProcessRound(bool withGroups, const IsCancelled& isCancelled
     ReadUses();
     _placedBytes = 0;
     if (_provider->NumOuterPages() > 0) {
-        PlaceWay(TakeWay());
+        PlaceWay(TakeWay(), isCancelled);
     }
     PlaceInBatches(_uses.TakeRequests(_table, withGroups), withGroups, isCancelled);
     HDS_VERIFY(_placedBytes > 0, _label + ": nothing was loaded");
@@ -260,7 +260,7 @@ void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, boo
                 bytes += _pageBytes[begin + i];
             }
         }
-        Prepare(batch);
+        Prepare(batch, isCancelled);
         for (std::size_t i = first; i < next && !isOver; ++i) {
             const bool isHardlyWanted = requests[i].count < requests[0].count / kLeastWantedShare;
             isOver = (withGroups && _order->IsSelective() && _hasEvicted && isHardlyWanted) ||
@@ -291,7 +291,8 @@ std::vector<std::uint32_t> StreamingPool::TakeWay() {
 
 /// Places pages that are needed at once, so that whoever offered them goes on after this round.
 /// Without it those that need them could take each other's pages for ever.
-void StreamingPool::PlaceWay(const std::vector<std::uint32_t>& pages) {
+void StreamingPool::PlaceWay(const std::vector<std::uint32_t>& pages,
+                             const IsCancelled& isCancelled) {
     std::vector<std::uint32_t> missing;
     for (const std::uint32_t page : pages) {
         if (_table.HasPlace(page)) {
@@ -300,7 +301,7 @@ void StreamingPool::PlaceWay(const std::vector<std::uint32_t>& pages) {
             missing.push_back(page);
         }
     }
-    Prepare(missing);
+    Prepare(missing, isCancelled);
     bool isPlaced = true;
     for (const std::uint32_t page : missing) {
         isPlaced = isPlaced && Place(page);
@@ -315,7 +316,7 @@ void StreamingPool::PlaceWay(const std::vector<std::uint32_t>& pages) {
         missing.clear();
         std::copy_if(pages.begin(), pages.end(), std::back_inserter(missing),
                      [this](std::uint32_t page) { return !_table.HasPlace(page); });
-        Prepare(missing);
+        Prepare(missing, isCancelled);
         for (const std::uint32_t page : missing) {
             isPlaced = Place(page);
             HDS_VERIFY(isPlaced, _label + ": no room for what a ray needs at once");
@@ -338,9 +339,10 @@ void StreamingPool::RemoveAll() {
 }
 
 /// Makes the bytes of pages ready.
-void StreamingPool::Prepare(const std::vector<std::uint32_t>& pages) {
+void StreamingPool::Prepare(const std::vector<std::uint32_t>& pages,
+                            const IsCancelled& isCancelled) {
     const Timer timer;
-    _provider->Prepare(pages);
+    _provider->Prepare(pages, isCancelled);
     _counters.AddPrepareSeconds(timer.Seconds());
     for (const std::uint32_t page : pages) {
         _pageBytes[page] = _provider->PageBytes(page); // exact now

@@ -62,11 +62,11 @@ public:
     /// provider, too, may keep them; otherwise it drops them. \pre MissingBytes() is 0.
     virtual void MakeResident(bool keepsBytes);
 
-    using IsCancelled = std::function<bool()>;
+    using IsCancelled = PageProvider::IsCancelled;
 
     /// Loads what was asked for most: pages, and whole groups by the page that asks for them.
     /// Blocks. \param isCancelled asked between batches of pages that are prepared together: when
-    /// it says so, the others are not loaded.
+    /// it says so, the others are not loaded. The provider may ask it too.
     void ProcessRequests(const IsCancelled& isCancelled = {});
 
     /// What kernels tell of each page (kernels/shared/residency.h).
@@ -105,7 +105,7 @@ private:
     void MakeTables();
     void ReadUses();
     void PublishUses();
-    void Prepare(const std::vector<std::uint32_t>& pages);
+    void Prepare(const std::vector<std::uint32_t>& pages, const IsCancelled& isCancelled = {});
     void PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups,
                         const IsCancelled& isCancelled);
     bool PlaceRequest(const PageRequest& request);
@@ -114,7 +114,7 @@ private:
     bool Evict();
     void WithdrawWay();
     std::vector<std::uint32_t> TakeWay();
-    void PlaceWay(const std::vector<std::uint32_t>& pages);
+    void PlaceWay(const std::vector<std::uint32_t>& pages, const IsCancelled& isCancelled);
     void RemoveAll();
     void Remove(std::uint32_t page);
     void LoadQueued(bool isAskedFor = true);

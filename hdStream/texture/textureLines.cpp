@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/textureLines.h"
 
+#include "hdStream/base/callerQuestion.h"
+
 #include <tbb/parallel_for.h>
 
-#include <atomic>
 #include <cstring>
 #include <map>
 #include <numeric>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -24,19 +24,14 @@ constexpr std::size_t kLinesPerTask = 64;
 template <typename Action>
 bool ForEachImage(std::size_t count, const LineProvider::IsCancelled& isCancelled,
                   const Action& action) {
-    std::atomic<bool> isOver{false};
-    const std::thread::id caller = std::this_thread::get_id();
+    CallerQuestion isOver(isCancelled);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        if (isOver.load(std::memory_order_relaxed)) {
-            return;
-        }
-        action(i);
-        if (isCancelled && std::this_thread::get_id() == caller &&
-            !isOver.load(std::memory_order_relaxed) && isCancelled()) {
-            isOver.store(true, std::memory_order_relaxed);
+        if (!isOver.IsYes()) {
+            action(i);
+            isOver.Ask();
         }
     });
-    return !isOver.load(std::memory_order_relaxed);
+    return !isOver.IsYes();
 }
 
 } // namespace

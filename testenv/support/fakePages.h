@@ -42,7 +42,9 @@ public:
     void Keep(std::vector<std::uint32_t> pages) {
         _shouldStay = std::set<std::uint32_t>(pages.begin(), pages.end());
     }
-    void Prepare(const std::vector<std::uint32_t>& pages) override {
+    void Prepare(const std::vector<std::uint32_t>& pages,
+                 const IsCancelled& isCancelled = {}) override {
+        _numAskable += isCancelled ? 1 : 0;
         for (const std::uint32_t page : pages) {
             _pages[page] = BytesOf(_ids[page]);
             _isKept[page] = true;
@@ -71,6 +73,8 @@ public:
     bool HasData(std::uint32_t page) const { return !_pages[page].empty(); }
     std::uint64_t TotalBytes() const { return _total; }
     std::size_t NumPrepared() const { return _numPrepared; }
+    /// Calls of Prepare that could be cancelled.
+    std::size_t NumAskable() const { return _numAskable; }
 
 private:
     std::vector<std::uint64_t> _ids;
@@ -82,6 +86,7 @@ private:
     std::vector<std::uint64_t> _offsets;
     std::uint64_t _total = 0;
     std::size_t _numPrepared = 0;
+    std::size_t _numAskable = 0;
 };
 
 /// Ids begin, begin + 1, ... end - 1.

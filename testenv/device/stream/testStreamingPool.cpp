@@ -281,6 +281,7 @@ TEST_F(StreamingPoolTest, WhoCancelsWaitsForAFewPagesOnly) {
     Ask(pool, {0, 1, 2, 3, 4, 5, 6, 7});
     pool.ProcessRequests([] { return true; });
     EXPECT_EQ(pages.NumPrepared(), 2U); // some, in each round
+    EXPECT_EQ(pages.NumAskable(), 1U) << "the provider may ask, too";
     EXPECT_EQ(pool.Statistics().uploads, 2U);
     int numAsked = 0;
     Ask(pool, {0, 1, 2, 3, 4, 5, 6, 7}); // of another render

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // What chunks are cut from stays up to a bound, is made again beyond it, and then gives the same.
-#include "hdStream/accel/chunkPages.h"
 #include "hdStream/accel/chunkedGeometry.h"
+#include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/error.h"
 #include "testenv/support/meshSource.h"
 #include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
+#include <algorithm>
+#include <functional>
 #include <memory>
+#include <thread>
 #include <vector>
 
 namespace hds::test {
@@ -107,21 +111,25 @@ protected:
         };
         return std::make_shared<ChunkedGeometry>(make, 4096, store, PageKey{{key, 0}}, keeper, 100);
     }
-    /// Asks for all chunks, one of each geometry in turn, from `first` on. \return the pages in the
-    /// order of chunks of one.
-    std::vector<ChunkBytes> AskInTurn(std::uint32_t first) {
+    static ChunkBytes Ask(const std::shared_ptr<ChunkedGeometry>& geometry, std::uint32_t chunk,
+                          const std::function<bool()>& isCancelled = {}) {
+        PreparedPages prepared;
+        const auto made = std::make_shared<ChunkPages>(geometry, chunk);
+        prepared.Prepare({{made, {true, true}}}, isCancelled);
+        return {made->Data(0), made->Data(1)};
+    }
+    /// Asks for all chunks, or each of so many, one of each geometry in turn, from `first` on.
+    /// \return the pages in the order of chunks of one.
+    std::vector<ChunkBytes> AskInTurn(std::uint32_t first, std::uint32_t step = 1) {
         const auto a = Geometry(1);
         const auto b = Geometry(2);
         numChunks = static_cast<std::uint32_t>(a->Summary().NumChunks());
         numMade = 0;
         std::vector<ChunkBytes> pages(numChunks);
-        for (std::uint32_t i = 0; i < numChunks; ++i) {
+        for (std::uint32_t i = 0; i < numChunks; i += step) {
             const std::uint32_t chunk = (first + i) % numChunks;
-            for (const auto& geometry : {a, b}) {
-                ChunkPages made(geometry, chunk);
-                made.Prepare({true, true});
-                pages[chunk] = {made.Data(0), made.Data(1)};
-            }
+            pages[chunk] = Ask(a, chunk);
+            EXPECT_EQ(Ask(b, chunk), pages[chunk]);
         }
         return pages;
     }
@@ -165,6 +173,38 @@ TEST_F(TwoInOneRoom, OneThatStaysMakesNothingAhead) {
     EXPECT_EQ(keeper->NumAhead(), 0U);
 }
 
+// Between the chunks that nobody has asked for it is looked whether the render goes on.
+TEST_F(TwoInOneRoom, WhoCancelsWaitsForNoMoreChunksAhead) {
+    const auto a = Geometry(1);
+    const auto b = Geometry(2);
+    numChunks = static_cast<std::uint32_t>(a->Summary().NumChunks());
+    Ask(a, 0);
+    Ask(b, 0);
+    EXPECT_EQ(keeper->NumAhead(), 0U);
+    {
+        const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
+        int numAsked = 0;
+        Ask(a, 1, [&numAsked] { return ++numAsked == 4; });
+        EXPECT_EQ(numAsked, 4) << "once told, it is not asked again";
+        EXPECT_GT(numChunks / 8, 4U);
+        EXPECT_EQ(keeper->NumAhead(), 2U) << "one was there";
+    }
+    const std::thread::id caller = std::this_thread::get_id();
+    Ask(b, 1, [caller] {
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        return false;
+    });
+    EXPECT_GE(keeper->NumAhead(), 2 + numChunks / 8 - 2) << "all of b's";
+    keeper->BeginStatistics();
+    std::vector<ChunkBytes> pages(numChunks);
+    for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
+        pages[chunk] = Ask(a, chunk);
+        b->Hold(); // a's goes
+    }
+    EXPECT_EQ(pages, Expected());
+    EXPECT_LE(keeper->NumMade(), 4U) << "those that were cancelled are made another time";
+}
+
 class TwoInALittleStore : public TwoInOneRoom {
 protected:
     PageStoreOptions Options() const override {
@@ -172,21 +212,30 @@ protected:
         options.maxBytes = kStoreBytes;
         return options;
     }
-    static constexpr std::uint64_t kStoreBytes = 512U << 10U; ///< two segments
+    static constexpr std::uint64_t kStoreBytes = 5 * (256U << 10U); ///< five segments
 };
 
 // Pages that nobody has asked for would take the room of those that somebody asks for.
-TEST_F(TwoInALittleStore, WhatIsAheadTakesHalfOfTheStore) {
-    const std::vector<ChunkBytes> pages = AskInTurn(0);
-    EXPECT_EQ(pages, Expected());
-    EXPECT_GT(numMade, 2 * 5);
+TEST_F(TwoInALittleStore, WhatNobodyAsksForTakesHalfOfTheStore) {
+    AskInTurn(0, 12);
     std::uint64_t bytes = 0;
-    for (const ChunkBytes& page : pages) {
+    for (const ChunkBytes& page : Expected()) {
         bytes += page[0].size() + page[1].size();
     }
-    ASSERT_GT(2 * bytes, kStoreBytes) << "not all fit";
-    EXPECT_GT(keeper->NumAhead(), 0U);
-    EXPECT_LT(keeper->NumAhead() * bytes / numChunks, kStoreBytes * 6 / 10);
+    ASSERT_GT(2 * bytes, kStoreBytes * 55 / 100) << "not all fit in half";
+    const std::uint64_t ahead = keeper->NumAhead() * bytes / numChunks;
+    EXPECT_GT(ahead, kStoreBytes * 3 / 10);
+    EXPECT_LT(ahead, kStoreBytes / 2);
+    EXPECT_EQ(store->Statistics().pagesNotKept, 0U);
+}
+
+// What was made ahead and is asked for then is like any other: more comes in its place, so all of
+// it fits, and the source is not made for each chunk of the second half.
+TEST_F(TwoInALittleStore, WhatIsAheadAndAskedForMakesRoomForMore) {
+    const std::vector<ChunkBytes> pages = AskInTurn(0);
+    EXPECT_EQ(pages, Expected());
+    EXPECT_EQ(store->Statistics().pagesNotKept, 0U);
+    EXPECT_LE(numMade, 2 * 8);
 }
 
 class TwoInAFullStore : public TwoInOneRoom {

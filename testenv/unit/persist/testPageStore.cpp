@@ -249,6 +249,46 @@ TEST_F(PageStoreTest, AFullCacheThatAnotherProcessClearsIsFilledAgain) {
     EXPECT_TRUE(Has(&store, 3000, 60000));
 }
 
+// Pages that are saved before anybody asks for them must not take the room of those that somebody
+// asks for, of this run or of earlier ones, but should have room where they are asked for then.
+TEST_F(PageStoreTest, PagesAheadTakeHalfOfWhatIsLeft) {
+    constexpr std::size_t kBytes = 60000;
+    PageStoreOptions options = Options();
+    options.maxBytes = 8U << 20U; // an eighth of a segment is its index
+    std::uint64_t number = 0;
+    const auto fill = [&](PageStore* store) {
+        const std::uint64_t before = number;
+        for (; store->HasSpareRoom(); ++number) {
+            const std::vector<std::uint8_t> bytes = TestPage(number, kBytes);
+            if (!store->SaveAhead(TestKey(number), bytes.data(), bytes.size())) {
+                ADD_FAILURE() << "there was room";
+                break;
+            }
+        }
+        return double((number - before) * kBytes) / (1U << 20U);
+    };
+    const auto store = std::make_unique<PageStore>(options, &warnings);
+    EXPECT_NEAR(fill(store.get()), 4.0, 0.4);
+    EXPECT_EQ(store->NumUsed(), number) << "they belong to what is rendered";
+    EXPECT_TRUE(Has(store.get(), 0, kBytes));
+    EXPECT_TRUE(Save(store.get(), 1, kBytes)) << "asks as well";
+    EXPECT_TRUE(store->HasSpareRoom());
+    for (std::uint64_t i = 0; i < number; ++i) {
+        EXPECT_EQ(store->Bytes(TestKey(i)), kBytes);
+    }
+    EXPECT_NEAR(fill(store.get()), 2.0, 0.4);
+    EXPECT_EQ(store->NumUsed(), number);
+    const std::uint64_t numOld = number;
+    PageStore next(options, &warnings);
+    for (std::uint64_t i = 0; i < numOld; ++i) {
+        EXPECT_EQ(next.Bytes(TestKey(i)), kBytes);
+    }
+    EXPECT_LT(fill(&next), 1.2) << "of the two that were left";
+    next.Clear();
+    EXPECT_TRUE(next.HasSpareRoom());
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
 TEST_F(PageStoreTest, WhoOnlyLooksRemovesNothing) {
     std::filesystem::create_directories(folder.string());
     const std::string path = folder.string() + "/pages-0123456789abcdef.hdsp";
