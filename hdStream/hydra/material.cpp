@@ -7,7 +7,6 @@
 
 #include <pxr/base/tf/error.h>
 #include <pxr/base/tf/errorMark.h>
-#include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 

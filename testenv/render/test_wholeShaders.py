@@ -9,7 +9,7 @@ pytest.importorskip("hdstream._core")
 
 import ours
 from pxr import Gf, Sdf, UsdShade
-from stages import author, shapes
+from stages import author, imageFile, shapes
 from stages.materialX import STANDARD, AddNode, AddSurface
 
 _T = Sdf.ValueTypeNames
@@ -93,6 +93,29 @@ def test_a_preview_surface_is_mixed_behind_what_hands_it_on(tmp_path):
                           _Picture(tmp_path, _Mixed(PREVIEW, inputs), samples=4).rgb)
     assert np.array_equal(_Picture(tmp_path, _Mixed("UsdPreviewSurface", inputs), samples=4).rgb,
                           _Picture(tmp_path, _Mixed(PREVIEW, inputs), samples=4).rgb)
+
+
+def _Tilted(tmp_path, stage):
+    """A normal map of one normal, 30 degrees towards +x."""
+    imageFile.WriteExr(tmp_path / "map.exr", {name: np.full((4, 4), number) for name, number in zip("RGB", (0.75, 0.5, 0.933))})
+    reader, _ = AddNode(stage, f"{_ROOT}/St", "UsdPrimvarReader_float2", varname="st")
+    reader.CreateOutput("result", _T.Float2)
+    image, _ = AddNode(stage, f"{_ROOT}/Map", "UsdUVTexture", file=Sdf.AssetPath(str(tmp_path / "map.exr")), sourceColorSpace="raw",
+                       scale=(2.0, 2.0, 2.0, 1.0), bias=(-1.0, -1.0, -1.0, 0.0), st=(reader, "result"))
+    image.CreateOutput("rgb", _T.Float3)
+    return image, "rgb"
+
+
+def test_a_preview_surface_keeps_its_normal_map_in_a_mix(tmp_path):
+    inputs, shape = PREVIEWS["plastic"], _Quad(4.0)
+    lights = (("Distant", dict(placement=dict(rotate=(0, 50, 0)), angle=5.0, intensity=100.0)),)
+    mixed, own, flat, front = (_Picture(tmp_path, surface, lights, samples=256, maxDepth=1, shape=shape).rgb.mean((0, 1)) for surface in (
+        lambda stage: _Mixed(PREVIEW, dict(inputs, normal=_Tilted(tmp_path, stage)))(stage),
+        lambda stage: AddSurface(stage, _ROOT, PREVIEW, **inputs, normal=_Tilted(tmp_path, stage)),
+        lambda stage: AddSurface(stage, _ROOT, PREVIEW, **inputs),
+        lambda stage: AddSurface(stage, _ROOT, STANDARD, base=1.0, base_color=BLUE, specular=0.0)))
+    assert np.abs(own / flat - 1).min() > 0.2
+    assert mixed == pytest.approx(0.75 * own + 0.25 * front, rel=0.015)
 
 
 COLORS = {  # type -> (value, colour, opacity)
