@@ -7,7 +7,6 @@
 
 #include <pxr/base/tf/error.h>
 #include <pxr/base/tf/errorMark.h>
-#include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 
@@ -55,22 +54,8 @@ const hds::MaterialNode* FindNode(const hds::MaterialNetwork& network, const std
     return found == network.nodes.end() ? nullptr : &*found;
 }
 
-/// The surface shader, behind ND_surfacematerial or not; null: there is none.
-const hds::MaterialNode* FindSurface(const hds::MaterialNetwork& network) {
-    const auto terminal = network.terminals.find("surface");
-    const hds::MaterialNode* node = terminal == network.terminals.end()
-                                        ? nullptr
-                                        : FindNode(network, terminal->second.upstreamPath);
-    if (node != nullptr && TfStringStartsWith(node->identifier, "ND_surfacematerial")) {
-        const auto shader = node->connections.find("surfaceshader");
-        node = shader == node->connections.end() ? nullptr
-                                                 : FindNode(network, shader->second.upstreamPath);
-    }
-    return node;
-}
-
 bool HasDrawnSurface(const hds::MaterialNetwork& network) {
-    const hds::MaterialNode* surface = FindSurface(network);
+    const hds::MaterialNode* surface = hds::FindTerminalShader(network, "surface");
     return surface != nullptr && hds::IsSurfaceShader(surface->identifier);
 }
 
@@ -128,9 +113,9 @@ hds::MaterialNetwork BestNetwork(HdSceneDelegate* delegate, const SdfPath& id,
     // Where UsdImaging has dropped a surface that OpenUSD does not know there is no terminal: it
     // has told the id, and here the material looks like one that has no surface there.
     const hds::MaterialNetwork* best = FindTerminal("surface", passed);
-    const hds::MaterialNode* surface = FindSurface(result);
+    const hds::MaterialNode* surface = hds::FindTerminalShader(result, "surface");
     if (best != nullptr && !HasDrawnSurface(*best) && HasDrawnSurface(result)) {
-        const hds::MaterialNode* other = FindSurface(*best);
+        const hds::MaterialNode* other = hds::FindTerminalShader(*best, "surface");
         const bool hasId = other != nullptr && !other->identifier.empty();
         param->Warn(scenePath, "surface shader " + (hasId ? other->identifier : "without an id") +
                                    " is not supported; " + surface->identifier + " is used");

@@ -22,6 +22,7 @@
 #include "hdStream/scene/rayVisibility.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/session/settings.h"
+#include "hdStream/shading/shaderNetwork.h"
 #include "hdStream/shading/shaderNodes.h"
 
 #include <cstdint>

@@ -12,6 +12,7 @@
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
+#include "hdStream/shading/shaderNetwork.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceGraphs.h"
 #include "hdStream/shading/valueResolver.h"
@@ -121,15 +122,9 @@ void SetLayered(CompiledMaterial& material, const LayeredMaterial& layered,
 }
 
 /// The node of the surface terminal when it is a known surface, else null with a warning.
-const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEvaluator& evaluator,
-                                const std::string& materialPath, Warnings& warnings) {
-    const auto terminal = network.terminals.find("surface");
-    const MaterialNode* node = terminal == network.terminals.end()
-                                   ? nullptr
-                                   : evaluator.FindNode(terminal->second.upstreamPath);
-    if (node != nullptr && node->identifier.compare(0, 18, "ND_surfacematerial") == 0) {
-        node = evaluator.FindSource(*node, "surfaceshader");
-    }
+const MaterialNode* FindSurface(const MaterialNetwork& network, const std::string& materialPath,
+                                Warnings& warnings) {
+    const MaterialNode* node = FindTerminalShader(network, "surface");
     if (node == nullptr) {
         warnings.Add(materialPath, "material has no surface shader; displayColor is used");
         return nullptr;
@@ -409,11 +404,8 @@ bool HasConstantEmission(const shared::HdsMaterial& material) {
 namespace {
 
 /// Whether a displacement of MaterialX stands beside the surface.
-bool HasOwnDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network) {
-    const auto terminal = network.terminals.find("displacement");
-    const MaterialNode* node = terminal == network.terminals.end()
-                                   ? nullptr
-                                   : evaluator.FindNode(terminal->second.upstreamPath);
+bool HasOwnDisplacement(const MaterialNetwork& network) {
+    const MaterialNode* node = FindTerminalShader(network, "displacement");
     return node != nullptr && node->identifier.rfind("ND_displacement", 0) == 0;
 }
 
@@ -421,7 +413,7 @@ bool HasOwnDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& netw
 CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::string& materialPath,
                                 const ImageQueries& images, Warnings& warnings) {
     NetworkEvaluator evaluator(network, materialPath, images, warnings);
-    const MaterialNode* surface = FindSurface(network, evaluator, materialPath, warnings);
+    const MaterialNode* surface = FindSurface(network, materialPath, warnings);
     if (surface == nullptr) {
         return DisplayColorMaterial();
     }
@@ -460,7 +452,7 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
     }
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
-    if (HasOwnDisplacement(evaluator, network)) {
+    if (HasOwnDisplacement(network)) {
         SetMaterialXDisplacement(evaluator, network, materialPath, warnings, &material);
     } else {
         SetDisplacement(evaluator.Evaluate(*surface, "displacement"), evaluator.Textures(),
@@ -473,7 +465,8 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
 
 CompiledMaterial CompileMaterial(const MaterialNetwork& authored, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
-    const MaterialNetwork network = ExpandGraphs(TranslateArnold(authored, materialPath, warnings));
+    const MaterialNetwork network = ExpandGraphs(
+        JoinShaders(TranslateArnold(authored, materialPath, warnings), materialPath, warnings));
     const auto medium = ReadMeshMedium(network, materialPath, warnings);
     const bool isBoundary =
         network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;

@@ -2,6 +2,7 @@
 #include "hdStream/shading/materialDisplacement.h"
 
 #include "hdStream/shading/shaderMath.h"
+#include "hdStream/shading/shaderNetwork.h"
 #include "hdStream/shading/vectorDisplacement.h"
 
 #include <algorithm>
@@ -109,6 +110,13 @@ DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const Mater
     return result;
 }
 
+/// Whether it has an amount: UsdPreviewSurface has one beside its surface.
+bool IsDisplacementShader(const MaterialNode& node) {
+    return node.identifier.rfind("ND_displacement", 0) == 0 ||
+           node.parameters.count("displacement") + node.connections.count("displacement") > 0 ||
+           node.identifier.find("UsdPreviewSurface") != std::string::npos;
+}
+
 /// Sets what hits are bumped by: amounts that are more than a primvar, which is as fine as the
 /// triangles, and which the host knows how to evaluate.
 void SetRelief(const ShaderValue& value, const std::vector<MaterialTexture>& textures,
@@ -138,11 +146,11 @@ void SetDisplacement(const ShaderValue& amount, const std::vector<MaterialTextur
 void SetMaterialXDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network,
                               const std::string& materialPath, Warnings& warnings,
                               CompiledMaterial* material) {
-    const auto terminal = network.terminals.find("displacement");
-    const MaterialNode* node = terminal == network.terminals.end()
-                                   ? nullptr
-                                   : evaluator.FindNode(terminal->second.upstreamPath);
-    if (node != nullptr) {
+    const MaterialNode* node = FindTerminalShader(network, "displacement");
+    if (node != nullptr && !IsDisplacementShader(*node)) {
+        warnings.Add(materialPath, "displacement shader " + node->identifier + " of " + node->path +
+                                       " is not supported; ignored");
+    } else if (node != nullptr) {
         ShaderValue value;
         material->displacement =
             MaterialXDisplacement(evaluator, *node, materialPath, warnings, &value);

@@ -3,8 +3,11 @@
 
 #include "hdStream/shading/graphRows.h"
 #include "hdStream/shading/lamaGraphs.h"
+#include "hdStream/shading/previewGraphs.h"
+#include "hdStream/shading/shaderNetwork.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace hds {
@@ -93,6 +96,9 @@ const std::vector<NodeGraph>& Graphs() {
     static const std::vector<NodeGraph> kGraphs = [] {
         std::vector<NodeGraph> graphs = LamaGraphs();
         graphs.push_back(DisneyPrincipled());
+        for (NodeGraph& graph : ConvertGraphs()) {
+            graphs.push_back(std::move(graph));
+        }
         return graphs;
     }();
     return kGraphs;
@@ -100,7 +106,7 @@ const std::vector<NodeGraph>& Graphs() {
 
 /// Whether it stands for a surface, and not for a closure.
 bool IsSurface(const NodeGraph& graph) {
-    return graph.nodes.back().identifier == "surface";
+    return graph.nodes.back().identifier.rfind("surface", 0) == 0;
 }
 
 const NodeGraph* FindGraph(const std::string& identifier) {
@@ -174,10 +180,36 @@ std::vector<std::string> ClosureGraphIds() {
     return ids;
 }
 
+namespace {
+
+/// Paths of the surfaces that are mixed.
+std::set<std::string> MixedSurfaces(const MaterialNetwork& network) {
+    std::set<std::string> paths;
+    for (const MaterialNode& node : network.nodes) {
+        if (node.identifier != "ND_mix_surfaceshader") {
+            continue;
+        }
+        for (const char* const input : {"bg", "fg"}) {
+            if (const MaterialNode* shader = FindInputShader(network, node, input)) {
+                paths.insert(shader->path);
+            }
+        }
+    }
+    return paths;
+}
+
+} // namespace
+
 MaterialNetwork ExpandGraphs(const MaterialNetwork& network) {
     MaterialNetwork result = network;
+    const std::set<std::string> mixed = MixedSurfaces(network);
     for (const MaterialNode& shader : network.nodes) {
         const NodeGraph* graph = FindGraph(shader.identifier);
+        NodeGraph ofPreview;
+        if (IsPreviewSurface(shader) && mixed.count(shader.path) > 0) {
+            ofPreview = PreviewGraph(shader);
+            graph = &ofPreview;
+        }
         if (graph == nullptr) {
             continue;
         }

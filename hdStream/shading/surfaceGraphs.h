@@ -17,7 +17,8 @@ bool HasSurfaceGraph(const std::string& identifier);
 std::vector<std::string> ClosureGraphIds();
 
 /// The network with the nodes of all graphs in the place of what they stand for. The last node of a
-/// graph has the path of that, what feeds it lies below that path. Pure; any thread.
+/// graph has the path of that, what feeds it lies below that path. A UsdPreviewSurface is replaced
+/// where it is mixed with another surface. Pure; any thread.
 /// Source: MaterialX 1.39, bxdf/disney_principled.mtlx and bxdf/lama.
 MaterialNetwork ExpandGraphs(const MaterialNetwork& network);
 

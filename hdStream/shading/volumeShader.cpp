@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/volumeShader.h"
 
+#include "hdStream/shading/shaderNetwork.h"
 #include "hdStream/shading/volumeCoefficient.h"
 
 #include <glm/common.hpp>
@@ -19,6 +20,8 @@ namespace {
 constexpr int kMaxDepth = 32;
 constexpr int kMaxWays = 4096;
 const char* const kDensity = "density";
+const char* const kVolume = "ND_volume";
+const char* const kMixVolume = "ND_mix_volumeshader";
 
 /// What a distribution node says.
 struct Medium {
@@ -73,7 +76,7 @@ public:
         : _network(network), _patterns(patterns), _warn(warn) {}
 
     VolumeShading Read() {
-        const MaterialNode* root = NodeAt(_network.terminals.at("volume").upstreamPath);
+        const MaterialNode* root = FindTerminalShader(_network, "volume");
         VolumeShading shading;
         if (root == nullptr) {
             return DefaultVolumeShading();
@@ -84,13 +87,11 @@ public:
         if (root->identifier == "PxrVolume") {
             return ReadPxrVolume(*root);
         }
-        if (root->identifier != "ND_volume") {
+        if (root->identifier != kVolume && root->identifier != kMixVolume) {
             _warn("volume shader " + root->identifier + " is not known; drawn as grey smoke");
             return DefaultVolumeShading();
         }
-        const Medium medium = MediumOf(Upstream(*root, "vdf"), 0);
-        const VolumeCoefficient emission = EmissionOf(Upstream(*root, "edf"), 0);
-        SetCoefficients(medium, emission, kDensity, &shading);
+        SetCoefficients(MediumOf(root, 0), EmissionOf(root, 0), kDensity, &shading);
         return shading;
     }
 
@@ -113,6 +114,11 @@ private:
     const MaterialNode* Upstream(const MaterialNode& node, const std::string& input) const {
         const auto found = node.connections.find(input);
         return found == node.connections.end() ? nullptr : NodeAt(found->second.upstreamPath);
+    }
+
+    /// A volume or a distribution that is mixed.
+    const MaterialNode* Shader(const MaterialNode& node, const std::string& input) const {
+        return FindInputShader(_network, node, input);
     }
 
     static glm::vec3 Parameter(const MaterialNode& node, const std::string& input,
@@ -332,12 +338,53 @@ private:
         return Constant(fallback);
     }
 
+    static Medium SumOf(const Medium& a, const Medium& b) {
+        Medium sum;
+        sum.absorption = a.absorption + b.absorption;
+        sum.scattering = a.scattering + b.scattering;
+        const float wa = a.scattering.AtOne().y;
+        const float wb = b.scattering.AtOne().y;
+        sum.anisotropy =
+            wa + wb > 0.0F ? (wa * a.anisotropy + wb * b.anisotropy) / (wa + wb) : 0.0F;
+        sum.turned = a.turned + b.turned;
+        sum.turnsVary = a.turnsVary || b.turnsVary;
+        return sum;
+    }
+
+    static Medium ProductOf(Medium medium, const VolumeCoefficient& factor) {
+        medium.absorption = medium.absorption * factor;
+        medium.scattering = medium.scattering * factor;
+        medium.turned = medium.turned * factor;
+        return medium;
+    }
+
+    /// What a mix takes of its front; the back has what is left.
+    VolumeCoefficient ShareOf(const MaterialNode& mix, int depth) const {
+        const VolumeCoefficient share = ValueOf(mix, "mix", glm::vec3(0.0F), depth);
+        return share.HasFields()
+                   ? share
+                   : Constant(glm::clamp(share.AtOne(), glm::vec3(0.0F), glm::vec3(1.0F)));
+    }
+
+    static VolumeCoefficient Rest(const VolumeCoefficient& share) {
+        return Constant(glm::vec3(1.0F)) - share;
+    }
+
+    /// Of a distribution, or of a volume.
     Medium MediumOf(const MaterialNode* node, int depth) const {
         Medium medium;
         if (node == nullptr || depth > kMaxDepth || !MayGoOn()) {
             return medium;
         }
         const std::string& id = node->identifier;
+        if (id == kVolume) {
+            return MediumOf(Upstream(*node, "vdf"), depth + 1);
+        }
+        if (id == kMixVolume || id == "ND_mix_vdf") {
+            const VolumeCoefficient share = ShareOf(*node, depth + 1);
+            return SumOf(ProductOf(MediumOf(Shader(*node, "bg"), depth + 1), Rest(share)),
+                         ProductOf(MediumOf(Shader(*node, "fg"), depth + 1), share));
+        }
         if (id == "ND_absorption_vdf" || id == "ND_anisotropic_vdf") {
             medium.absorption = ValueOf(*node, "absorption", glm::vec3(0.0F), depth + 1);
         }
@@ -345,22 +392,11 @@ private:
             medium.scattering = ValueOf(*node, "scattering", glm::vec3(0.0F), depth + 1);
             SetTurns(*node, "anisotropy", depth + 1, &medium);
         } else if (id == "ND_add_vdf") {
-            const Medium a = MediumOf(Upstream(*node, "in1"), depth + 1);
-            const Medium b = MediumOf(Upstream(*node, "in2"), depth + 1);
-            medium.absorption = a.absorption + b.absorption;
-            medium.scattering = a.scattering + b.scattering;
-            const float wa = a.scattering.AtOne().y;
-            const float wb = b.scattering.AtOne().y;
-            medium.anisotropy =
-                wa + wb > 0.0F ? (wa * a.anisotropy + wb * b.anisotropy) / (wa + wb) : 0.0F;
-            medium.turned = a.turned + b.turned;
-            medium.turnsVary = a.turnsVary || b.turnsVary;
+            medium = SumOf(MediumOf(Upstream(*node, "in1"), depth + 1),
+                           MediumOf(Upstream(*node, "in2"), depth + 1));
         } else if (StartsWith(id, "ND_multiply_vdf")) {
-            const VolumeCoefficient factor = ValueOf(*node, "in2", glm::vec3(1.0F), depth + 1);
-            medium = MediumOf(Upstream(*node, "in1"), depth + 1);
-            medium.absorption = medium.absorption * factor;
-            medium.scattering = medium.scattering * factor;
-            medium.turned = medium.turned * factor;
+            medium = ProductOf(MediumOf(Upstream(*node, "in1"), depth + 1),
+                               ValueOf(*node, "in2", glm::vec3(1.0F), depth + 1));
         } else if (id != "ND_absorption_vdf") {
             _warn("node " + id + " is not known in volumes");
         }
@@ -370,6 +406,18 @@ private:
     VolumeCoefficient EmissionOf(const MaterialNode* node, int depth) const {
         if (node == nullptr || depth > kMaxDepth || !MayGoOn()) {
             return {};
+        }
+        if (node->identifier == kVolume) {
+            return EmissionOf(Upstream(*node, "edf"), depth + 1);
+        }
+        if (node->identifier == kMixVolume || node->identifier == "ND_mix_edf") {
+            const VolumeCoefficient share = ShareOf(*node, depth + 1);
+            return EmissionOf(Shader(*node, "bg"), depth + 1) * Rest(share) +
+                   EmissionOf(Shader(*node, "fg"), depth + 1) * share;
+        }
+        if (node->identifier == "ND_add_edf") {
+            return EmissionOf(Upstream(*node, "in1"), depth + 1) +
+                   EmissionOf(Upstream(*node, "in2"), depth + 1);
         }
         if (node->identifier == "ND_uniform_edf") {
             return ValueOf(*node, "color", glm::vec3(1.0F), depth + 1);

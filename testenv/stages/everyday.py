@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages of ordinary kinds that nothing is tuned by: a corridor of many small lamps, a room behind curtains, a kitchen of metal, wood
-and tiles, a product between softboxes, a bathroom of mirrors and panes, foliage below a sun. UsdPreviewSurface alone. Camera: /World/Camera.
+and tiles, a product between softboxes, a bathroom of mirrors and panes, foliage below a sun, a wet street at night. UsdPreviewSurface alone. Camera: /World/Camera.
 """
 
 import pathlib
@@ -11,7 +11,8 @@ from . import author, imageFile, photograph, shapes
 from .grove import _Tree
 from .textured import AddTexturedMaterial
 
-MAX_DEPTH = {"corridor": 6, "curtains": 6, "kitchen": 6, "product": 6, "bathroom": 8, "foliage": 5}
+MAX_DEPTH = {"corridor": 6, "curtains": 6, "kitchen": 6, "product": 6, "bathroom": 8, "foliage": 5,
+             "wetStreet": 5}
 
 
 def _AddRoom(stage, size, looks: dict) -> None:
@@ -212,5 +213,24 @@ def WriteFoliage(path: str) -> None:
     stage.GetRootLayer().Save()
 
 
+def WriteWetStreet(path: str) -> None:
+    """Ten small lamps along a road that mirrors them, between houses with smooth windows."""
+    stage = author.NewStage(path)
+    road = author.AddMaterial(stage, "/World/Looks/Road", diffuseColor=(0.06, 0.06, 0.065), roughness=0.2, clearcoat=0.8, clearcoatRoughness=0.08)
+    brick = author.AddMaterial(stage, "/World/Looks/Brick", diffuseColor=(0.4, 0.2, 0.15), roughness=0.9)
+    pane = author.AddMaterial(stage, "/World/Looks/Pane", diffuseColor=(0.05, 0.05, 0.06), roughness=0.05)
+    author.AddMesh(stage, "/World/Road", shapes.Plane(80, 80), material=road)
+    for number in range(10):
+        side, z = (-1, 1)[number % 2], -8.0 * (number // 2)
+        author.AddMesh(stage, f"/World/House{number}", shapes.Box(6, 8, 7.4), material=brick, translate=(9 * side, 4, z))
+        for window in range(6):
+            place = (6 * side, 2.2 + 2.6 * (window % 2), z - 2 + 2 * (window // 2))
+            author.AddMesh(stage, f"/World/Pane{number}_{window}", shapes.Box(0.1, 1.2, 1), material=pane, translate=place)
+        author.AddLight(stage, f"/World/Lamp{number}", "Sphere", dict(translate=(4 * side, 4.6, z + 2)), radius=0.12, intensity=300.0,
+                        color=(1.0, 0.75, 0.45))
+    author.AddCamera(stage, eye=(0, 1.7, 7), target=(0, 2.4, -10), aspect=4 / 3, width=26.0)
+    stage.GetRootLayer().Save()
+
+
 WRITERS = {"corridor": WriteCorridor, "curtains": WriteCurtains, "kitchen": WriteKitchen, "product": WriteProduct, "bathroom": WriteBathroom,
-           "foliage": WriteFoliage}
+           "foliage": WriteFoliage, "wetStreet": WriteWetStreet}

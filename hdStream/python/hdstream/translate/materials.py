@@ -19,6 +19,8 @@ _TERMINALS = ("surface", "displacement", "volume")
 # universal one, Storm's, where assets for another renderer have their preview, and Arnold's.
 _CONTEXTS = {"mtlx:": "the surface of mtlx", "kma:": "the surface of kma", "": "the universal surface",
              "glslfx:": "the surface of glslfx", "arnold:": "the surface of arnold"}
+# Nodes that hand a surface on, by how their ids begin: the input that has it.
+_HANDING_ON = {"ND_surfacematerial": "surfaceshader", "ND_dot_surfaceshader": "in"}
 # Bindings of purpose "full" first, then those for all purposes, as every final renderer.
 BINDING_PURPOSE = "full"
 
@@ -199,14 +201,21 @@ def ParameterFrom(value):
 
 
 def _IsDrawn(prim):
-    """Whether a surface shader is one that is drawn, behind ND_surfacematerial or not."""
-    shader = UsdShade.Shader(prim)
-    identifier = shader.GetShaderId() or ""
-    if identifier.startswith("ND_surfacematerial"):
-        inner = shader.GetInput("surfaceshader")
+    """Whether a surface shader is one that is drawn, behind what only hands it on or not."""
+    seen = set()
+    while prim.GetPath() not in seen:
+        seen.add(prim.GetPath())
+        shader = UsdShade.Shader(prim)
+        identifier = shader.GetShaderId() or ""
+        name = next((own for start, own in _HANDING_ON.items() if identifier.startswith(start)), None)
+        if name is None:
+            return _core.IsSurfaceShader(identifier)
+        inner = shader.GetInput(name)
         source = _FindSource(inner) if inner else None
-        return source is not None and _IsDrawn(source[2])
-    return _core.IsSurfaceShader(identifier)
+        if source is None:
+            return False
+        prim = source[2]
+    return False  # a cycle
 
 
 def _MissingSource(shaderInput):
