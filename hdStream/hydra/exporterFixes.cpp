@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/exporterFixes.h"
 
+#include "hdStream/hydra/lightParameters.h"
 #include "hdStream/hydra/transparentSides.h"
 
 #include <algorithm>
@@ -97,6 +98,13 @@ void HdStreamFixLight(HdStreamExporter exporter, hds::LightDescription* light) {
     }
     light->shaping.coneSoftness =
         SoftnessOfBlend(light->shaping.coneAngle, light->shaping.coneSoftness);
+}
+
+void HdStreamFixTemperature(HdStreamExporter exporter, HdSceneDelegate* delegate, const SdfPath& id,
+                            hds::LightDescription* light) {
+    if (exporter == HdStreamExporter::Blender && HdStreamLeavesTemperatureOut(delegate, id)) {
+        light->enableColorTemperature = false;
+    }
 }
 
 void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* network) {

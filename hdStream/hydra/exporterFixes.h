@@ -5,6 +5,7 @@
 
 #include "hdStream/session/session.h"
 
+#include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/pxr.h>
 
 #include <string>
@@ -23,6 +24,12 @@ HdStreamExporter HdStreamFindExporter(const std::string& name);
 /// and is handed over as UsdLux's softness, which is a share of the angle: the softness becomes the
 /// one that lets the same flux of a small lamp through.
 void HdStreamFixLight(HdStreamExporter exporter, hds::LightDescription* light);
+
+/// The exporter of USD switches the colour temperature of all lamps on, and writes it where it is
+/// not UsdLux's fallback of 6500 K, which is not white. Lamps that nobody has given one have just
+/// that, so none is written of these: they get none.
+void HdStreamFixTemperature(HdStreamExporter exporter, HdSceneDelegate* delegate, const SdfPath& id,
+                            hds::LightDescription* light);
 
 /// Principled's coat does not darken what it covers, and OpenPBR's does unless a node says
 /// otherwise, which the exporter does not. The colour of glass is Principled's of the whole way in

@@ -115,6 +115,33 @@ TEST_F(Exporter, ABlendOfSpotsLetsTheFluxOfCyclesThrough) {
     EXPECT_EQ(DumpOf(hard, kBlender), DumpOf(hard, ""));
 }
 
+/// The exporter of USD switches the temperature of all lamps on. UsdImaging has the parameters with
+/// UsdLux's fallbacks, and what is authored alone in the lamp's network.
+TEST_F(Exporter, LampsHaveTheTemperatureThatIsWrittenAndNoOther) {
+    const TfToken& enable = HdLightTokens->enableColorTemperature;
+    const TfToken& temperature = HdLightTokens->colorTemperature;
+    for (const bool isWritten : {false, true}) {
+        SceneData scene = WithLight(HdPrimTypeTokens->sphereLight,
+                                    {{enable, VtValue(true)}, {temperature, VtValue(6500.0F)}});
+        HdMaterialNode node;
+        node.path = SdfPath("/light");
+        node.parameters[enable] = VtValue(true);
+        if (isWritten) {
+            node.parameters[temperature] = VtValue(6500.0F);
+        }
+        HdMaterialNetworkMap map;
+        map.map[HdMaterialTerminalTokens->light].nodes = {node};
+        scene.lights[SdfPath("/light")].resource = VtValue(map);
+        for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
+            const bool isOn = isWritten || exporter.empty();
+            const std::string line =
+                std::string("\n  enableColorTemperature: ") + (isOn ? "true" : "false");
+            EXPECT_NE(DumpOf(scene, exporter).find(line), std::string::npos)
+                << isWritten << exporter;
+        }
+    }
+}
+
 TEST_F(Exporter, CoatsDoNotDarkenUnlessANodeSaysSo) {
     const SceneData coat = WithMaterial({{TfToken("coat_weight"), VtValue(1.0F)}}, {});
     EXPECT_TRUE(std::isnan(Number(DumpOf(coat, ""), "  coat_darkening")));
