@@ -35,10 +35,11 @@ void HdStreamFixTemperature(HdStreamExporter exporter, HdSceneDelegate* delegate
 /// otherwise, which the exporter does not. The colour of glass is Principled's of the whole way in
 /// and out, and is handed over as OpenPBR's, which dims at each surface: it becomes its root. A
 /// Transparent BSDF is handed over twice, as opacity of the surface and as a white diffuse BSDF in
-/// its place: the latter is taken out. An
-/// image that is in Blender's memory is written to a file of the output's format and named as of
-/// the image's own colour space; where the format is linear (EXR, Radiance), Blender has decoded it
-/// already.
+/// its place: the latter is taken out. The roughness of glossy, glass and refraction BSDFs is
+/// handed over as MaterialX's, which is its square, and the tangent of Principled's anisotropy
+/// turned by a quarter of a circle. An image that is in Blender's memory is written to a file of
+/// the output's format and named as of the image's own colour space; where the format is linear
+/// (EXR, Radiance), Blender has decoded it already.
 void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* network);
 
 PXR_NAMESPACE_CLOSE_SCOPE
