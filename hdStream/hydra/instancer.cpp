@@ -25,24 +25,14 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-bool IsFinite(const GfVec3f& velocity) {
-    return std::isfinite(velocity.GetLength());
-}
-
-/// Whether all velocities of instances are numbers.
-bool HasFiniteVelocities(HdSceneDelegate* delegate, const SdfPath& id) {
-    const TfToken names[] = {HdTokens->velocities, HdTokens->accelerations,
-                             HdTokens->angularVelocities};
-    return std::all_of(std::begin(names), std::end(names), [&](const TfToken& name) {
-        const auto values = delegate->Get(id, name).GetWithDefault(VtVec3fArray());
-        return std::all_of(values.cbegin(), values.cend(), IsFinite);
-    });
-}
-
-/// Instances whose angular velocities are not finite do not turn.
-void StopWhereNotFinite(HdStreamTurn* turn) {
+/// Instances that their angular velocities turn nowhere finite do not turn. \param[out] isFinite
+/// false: there is such.
+void StopWhereNotFinite(HdStreamTurn* turn, bool* isFinite) {
     for (GfVec3f& velocity : turn->degreesPerSecond) {
-        velocity = IsFinite(velocity) ? velocity : GfVec3f(0.0F);
+        if (!std::isfinite(velocity.GetLength())) { // of which the angle is made
+            velocity = GfVec3f(0.0F);
+            *isFinite = false;
+        }
     }
 }
 
@@ -136,8 +126,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         SyncPrimvars(delegate, bits);
-        SyncMotion(delegate, param->Shutter());
-        if (param->Shutter().IsOpen() && !HasFiniteVelocities(delegate, GetId())) {
+        if (!SyncMotion(delegate, param->Shutter())) {
             param->Push([path = _scenePath](hds::Session& session) {
                 session.Warn(path,
                              "velocities are not finite: instances that have these stand still");
@@ -190,12 +179,12 @@ void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits
     _prim.instanceTransforms = TransformsOf(_values);
 }
 
-void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter) {
+bool HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter) {
     _prim.samples.clear();
     std::map<TfToken, HdStreamMovingValue> moving;
     HdStreamTurn turn;
     std::set<double> times;
-    bool isFinite = true; // of which Sync tells
+    bool isFinite = true;
     for (const auto& [name, value] : _values) {
         HdStreamMovingValue values;
         if (!value.IsEmpty()) {
@@ -206,7 +195,7 @@ void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter
         }
         if (!values.Moves() && name == HdInstancerTokens->instanceRotations) {
             turn = HdStreamTurnByVelocities(delegate, GetId(), value.GetArraySize(), shutter);
-            StopWhereNotFinite(&turn);
+            StopWhereNotFinite(&turn, &isFinite);
             times.insert(turn.times.begin(), turn.times.end());
         }
         if (values.Moves()) {
@@ -221,6 +210,7 @@ void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter
         }
         _prim.samples.push_back({time, TransformsOf(values, turn.At(time))});
     }
+    return isFinite;
 }
 
 void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {

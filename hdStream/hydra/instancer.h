@@ -52,8 +52,9 @@ public:
 
 private:
     void SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits);
-    /// Reads the instances' transforms at the ends of the shutter's interval.
-    void SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter);
+    /// Reads the instances' transforms while the shutter is open. \return false: velocities take,
+    /// or turn, some of them nowhere finite, and these stand still.
+    bool SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter);
     /// Lets others see the primvars and the placement as they are now.
     void ShareLevel(HdStreamRenderParam* param);
 

@@ -81,6 +81,7 @@ void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderPara
     _prim.light = _authored;
     if (_typeId != HdPrimTypeTokens->simpleLight) { // which no exporter wrote
         HdStreamFixLight(param->Exporter(), &_prim.light);
+        HdStreamFixTemperature(param->Exporter(), delegate, GetId(), &_prim.light);
     }
     _prim.links = HdStreamReadLinks(delegate, GetId());
     if (_typeId == HdPrimTypeTokens->simpleLight) {

@@ -75,11 +75,12 @@ void ReadFields(const Reader& reader, const std::string& prefix, Struct* result)
     });
 }
 
-/// The colour spaces that inputs of a light say by metadata: UsdImaging has them as parameters of
-/// the light's network, as of a material's.
-class InputSpaces {
+/// Which inputs of a light the scene says, and their colour spaces by metadata: UsdImaging has both
+/// as parameters of the light's network, as of a material's, while a parameter of a light has
+/// UsdLux's fallback where nothing is said.
+class AuthoredInputs {
 public:
-    InputSpaces(HdSceneDelegate* delegate, const SdfPath& id)
+    AuthoredInputs(HdSceneDelegate* delegate, const SdfPath& id)
         : _resource(delegate->GetMaterialResource(id)) {
         if (_resource.IsHolding<HdMaterialNetworkMap>()) {
             const auto& networks = _resource.UncheckedGet<HdMaterialNetworkMap>().map;
@@ -90,8 +91,13 @@ public:
         }
     }
 
+    /// False also where the light has no network.
+    bool Has(const TfToken& input) const {
+        return _parameters && _parameters->find(input) != _parameters->end();
+    }
+
     /// Empty: none is said.
-    std::string Of(const TfToken& input) const {
+    std::string SpaceOf(const TfToken& input) const {
         const TfToken name("colorSpace:" + input.GetString());
         const auto found = _parameters ? _parameters->find(name) : Parameters::const_iterator();
         if (!_parameters || found == _parameters->end()) {
@@ -109,7 +115,7 @@ private:
     const Parameters* _parameters = nullptr;
 };
 
-void ReadTexture(const Reader& reader, const InputSpaces& spaces, hds::LightDescription* light) {
+void ReadTexture(const Reader& reader, const AuthoredInputs& inputs, hds::LightDescription* light) {
     TfToken format(light->textureFormat);
     reader.Read(HdLightTokens->textureFormat, &format);
     light->textureFormat = format.GetString();
@@ -117,7 +123,7 @@ void ReadTexture(const Reader& reader, const InputSpaces& spaces, hds::LightDesc
     reader.Read(HdLightTokens->textureFile, &file);
     if (!file.GetAssetPath().empty()) {
         light->textureFile = HdStreamAssetReference(file);
-        light->textureFile.colorSpace = spaces.Of(HdLightTokens->textureFile);
+        light->textureFile.colorSpace = inputs.SpaceOf(HdLightTokens->textureFile);
     }
 }
 
@@ -335,6 +341,12 @@ std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, con
     return samples;
 }
 
+bool HdStreamLeavesTemperatureOut(HdSceneDelegate* delegate, const SdfPath& id) {
+    const AuthoredInputs inputs(delegate, id);
+    return inputs.Has(HdLightTokens->enableColorTemperature) &&
+           !inputs.Has(HdLightTokens->colorTemperature);
+}
+
 hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id) {
     const auto linkOf = [&](const TfToken& name) {
         return HdStreamGetLightParameter(delegate, id, name).GetWithDefault(TfToken()).GetString();
@@ -354,9 +366,9 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     light.visibleToCamera = true; // no input of the light says it, but a render pass may
     reader.Read(kHdStreamLightSeenByCamera, &light.visibleToCamera);
     light.group = ReadGroup(reader);
-    const InputSpaces spaces(delegate, id);
-    light.colorSpace = spaces.Of(HdLightTokens->color);
-    ReadTexture(reader, spaces, &light);
+    const AuthoredInputs inputs(delegate, id);
+    light.colorSpace = inputs.SpaceOf(HdLightTokens->color);
+    ReadTexture(reader, inputs, &light);
     light.shaping = ReadShaping(reader);
     ReadFields(reader, "shadow:", &light.shadow);
     return light;

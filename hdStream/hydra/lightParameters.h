@@ -33,6 +33,11 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);
 hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
                                         const TfToken& typeId, hds::LightType type);
 
+/// Whether the scene switches the colour temperature of a light on or off, and leaves the
+/// temperature itself at UsdLux's fallback. False where the delegate does not tell what the scene
+/// says.
+bool HdStreamLeavesTemperatureOut(HdSceneDelegate* delegate, const SdfPath& id);
+
 /// What of a light changes while the shutter is open; empty when the scene does not tell of a
 /// change. \param light of the frame. Thread-safe during Sync.
 std::vector<hds::LightSample> HdStreamSampleLight(HdSceneDelegate* delegate, const SdfPath& id,

@@ -236,7 +236,7 @@ HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const Sd
                 velocity += seconds * changes[i] * 0.5;
             }
             const GfVec3f at = moved[i] + seconds * velocity;
-            if (isFinite == nullptr || IsFinite(at)) {
+            if (IsFinite(at) || !IsFinite(from[i])) {
                 moved[i] = at;
             } else {
                 *isFinite = false;

@@ -37,11 +37,11 @@ HdStreamMovingValue HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPa
                                           const TfToken& name, const hds::Shutter& shutter);
 
 /// Points by their velocities and accelerations at the frame. OpenUSD's scene index does so for
-/// points of several samples only. \param[out] isFinite where it is asked for, what velocities take
-/// nowhere finite stands still; false: there is such.
+/// points of several samples only. What velocities take from somewhere finite to nowhere finite
+/// stands still. \param[out] isFinite false: there is such; else it is left as it is.
 HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
                                              const VtValue& points, const hds::Shutter& shutter,
-                                             bool* isFinite = nullptr);
+                                             bool* isFinite);
 
 /// How far instances turn by their angular velocities, from the frame on.
 struct HdStreamTurn {

@@ -2,8 +2,9 @@
 """What of Blender arrives, row by row: blenderRows.py [--rows NAME ...] [--out FOLDER] [--picture FILE].
 
 Builds one small scene a row (kinds of lights, materials, worlds) and renders it by Cycles and by Stream, over both ways in
-which Blender hands a scene to Hydra (export methods HYDRA and USD). Printed: the mean of Cycles' picture, and ours over it;
-behind the slash the same of the mean alpha where it is not 1; and the share of 8 x 8 blocks whose means are within 2 %.
+which Blender hands a scene to Hydra (export methods HYDRA and USD). Printed: the mean luminance of Cycles' picture; ours over
+Cycles' by luminance and by red, green and blue, of which the worst decides; the share of 8 x 8 blocks whose means are within
+2 % in all three; and the mean alphas where they differ. A channel that Cycles' picture has nothing of is a dash.
 docs/blender.md says why rows differ. --picture draws one scene by both, side by side, for that page, and no rows.
 
 Runs in a Python that can import bpy, for whose OpenUSD the plug-in of the build was made. --out keeps the .blend files and
@@ -294,6 +295,8 @@ def _VertexColors(tree, node):
 
 ROWS = {
     "point": _Light("POINT", 200.0, shadow_soft_size=0.2),
+    "point, 3000 K": _Light("POINT", 200.0, shadow_soft_size=0.2, use_temperature=True, temperature=3000.0),
+    "point, 6500 K": _Light("POINT", 200.0, shadow_soft_size=0.2, use_temperature=True, temperature=6500.0),
     "spot": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.15),
     "spot hard": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.0),
     "lamp in view": _Light("POINT", 200.0, shadow_soft_size=0.2, location=(0.0, 1.0, 1.5)),
@@ -308,6 +311,8 @@ ROWS = {
     "rough": _Material({"Base Color": _RED, "Diffuse Roughness": 1.0, "Roughness": 1.0}),
     "metal": _Material({"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.3}),
     "anisotropic": _Material({"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.6}),
+    "anisotropic turned": _Material({"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.6,
+                                     "Anisotropic Rotation": 0.125}),
     "emission": _Material({"Emission Color": _GOLD, "Emission Strength": 2.0}),
     "alpha": _Material({"Base Color": _RED, "Alpha": 0.4}),
     "image": _Material({}, _AddImage),
@@ -381,15 +386,16 @@ def _Luminance(picture):
 
 def _Blocks(picture):
     count = _SIZE // _BLOCK
-    return _Luminance(picture).reshape(count, _BLOCK, count, _BLOCK).mean((1, 3))
+    return picture[..., :3].reshape(count, _BLOCK, count, _BLOCK, 3).mean((1, 3))
 
 
 def Compare(ours, cycles) -> str:
-    ratio = _Luminance(ours).mean() / max(_Luminance(cycles).mean(), 1e-9)
+    means = [np.append(_Luminance(picture).mean(), picture[..., :3].mean((0, 1))) for picture in (ours, cycles)]
+    ratios = [f"{first / second:6.3f}" if second > 1e-4 else "     -" for first, second in zip(*means)]
     first, second = _Blocks(ours), _Blocks(cycles)
-    share = (np.abs(first - second) <= _TOLERANCE * second + 1e-4).mean()
+    share = (np.abs(first - second) <= _TOLERANCE * second + 1e-4).all(-1).mean()
     alpha, wanted = ours[..., 3].mean(), cycles[..., 3].mean()
-    text = f"{ratio:6.3f} {100 * share:4.0f} %"
+    text = f"{' '.join(ratios)} {100 * share:4.0f} %"
     return text + ("" if abs(alpha - wanted) < 0.005 else f"  alpha {alpha:.2f} for {wanted:.2f}")
 
 
@@ -404,7 +410,7 @@ def RunRow(name, engine, samples, folder):
     scene.render.engine = engine
     for method in _METHODS:
         scene.hydra.export_method = method
-        columns.append(f"{Compare(Render(scene, stem.with_suffix(f'.{method}.exr')), cycles):32s}")
+        columns.append(f"{Compare(Render(scene, stem.with_suffix(f'.{method}.exr')), cycles):54s}")
     return " | ".join(columns).rstrip()
 
 
@@ -468,7 +474,8 @@ def main():
         if args.picture:
             DrawPicture(engine, args.samples, args.picture.absolute(), folder)
             return
-        lines = [f"{'row':18s} {'Cycles':>8s} | {_METHODS[0]:>6s} blocks{'':18s} | {_METHODS[1]:>6s} blocks"]
+        heads = [f"{method:>6s}    red  green   blue blocks{'':20s}" for method in _METHODS]
+        lines = [" | ".join([f"{'row':18s} {'Cycles':>8s}", *heads]).rstrip()]
         print(lines[0], file=sys.stderr, flush=True)
         for name in args.rows:
             lines.append(RunRow(name, engine, args.samples, folder))

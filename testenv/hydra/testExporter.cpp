@@ -115,6 +115,33 @@ TEST_F(Exporter, ABlendOfSpotsLetsTheFluxOfCyclesThrough) {
     EXPECT_EQ(DumpOf(hard, kBlender), DumpOf(hard, ""));
 }
 
+/// The exporter of USD switches the temperature of all lamps on. UsdImaging has the parameters with
+/// UsdLux's fallbacks, and what is authored alone in the lamp's network.
+TEST_F(Exporter, LampsHaveTheTemperatureThatIsWrittenAndNoOther) {
+    const TfToken& enable = HdLightTokens->enableColorTemperature;
+    const TfToken& temperature = HdLightTokens->colorTemperature;
+    for (const bool isWritten : {false, true}) {
+        SceneData scene = WithLight(HdPrimTypeTokens->sphereLight,
+                                    {{enable, VtValue(true)}, {temperature, VtValue(6500.0F)}});
+        HdMaterialNode node;
+        node.path = SdfPath("/light");
+        node.parameters[enable] = VtValue(true);
+        if (isWritten) {
+            node.parameters[temperature] = VtValue(6500.0F);
+        }
+        HdMaterialNetworkMap map;
+        map.map[HdMaterialTerminalTokens->light].nodes = {node};
+        scene.lights[SdfPath("/light")].resource = VtValue(map);
+        for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
+            const bool isOn = isWritten || exporter.empty();
+            const std::string line =
+                std::string("\n  enableColorTemperature: ") + (isOn ? "true" : "false");
+            EXPECT_NE(DumpOf(scene, exporter).find(line), std::string::npos)
+                << isWritten << exporter;
+        }
+    }
+}
+
 TEST_F(Exporter, CoatsDoNotDarkenUnlessANodeSaysSo) {
     const SceneData coat = WithMaterial({{TfToken("coat_weight"), VtValue(1.0F)}}, {});
     EXPECT_TRUE(std::isnan(Number(DumpOf(coat, ""), "  coat_darkening")));
@@ -218,8 +245,8 @@ public:
         }
     }
 
-    /// What is seen of it from above, below a white sky.
-    double Seen(const std::string& exporter) const {
+    /// On a floor.
+    SceneData Scene() const {
         SceneData scene = EmptyScene();
         HdMaterialNetworkMap map;
         map.map[HdMaterialTerminalTokens->surface] = _network;
@@ -227,6 +254,12 @@ public:
         scene.materials[SdfPath("/look")] = map;
         scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
         scene.gprims[SdfPath("/floor")].material = SdfPath("/look");
+        return scene;
+    }
+
+    /// What is seen of it from above, below a white sky.
+    double Seen(const std::string& exporter) const {
+        SceneData scene = Scene();
         scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
         HostOptions options = Quick({HdAovTokens->color}, 64);
         options.settings[TfToken("hostExporter")] = VtValue(exporter);
@@ -388,6 +421,66 @@ TEST_F(Exporter, WhatOnlyEmitsCoversItsShareOfAMix) {
     look.Connect("/Inner_EDF", "/Outer_EDF", "in1");
     look.AddSurface(0.0F, "/Outer_BSDF", "/Outer_EDF");
     EXPECT_NEAR(look.Seen(kBlender), 0.75 * 0.2 + 0.125 * 0.5 + 0.125, 5e-3);
+}
+
+/// Of a glossy BSDF; those that are parts of Principled have a node for it.
+TEST_F(Exporter, RoughnessOfSingleBsdfsIsSquared) {
+    const auto dump = [](const char* source, const char* exporter) {
+        Look look;
+        look.Add("/Glossy", "ND_conductor_bsdf",
+                 {{TfToken("roughness"), VtValue(GfVec2f(0.5F, 0.25F))}});
+        if (*source != 0) {
+            look.Add("/Rough", source);
+            look.Connect("/Rough", "/Glossy", "roughness");
+        }
+        look.AddSurface(1.0F, "/Glossy", "");
+        return DumpOf(look.Scene(), exporter);
+    };
+    const auto has = [](const std::string& text, const char* line) {
+        return text.find(line) != std::string::npos;
+    };
+    EXPECT_TRUE(has(dump("", ""), "\n    roughness: [2] 0.5 0.25"));
+    EXPECT_TRUE(has(dump("", kBlender), "\n    roughness: [2] 0.25 0.0625")) << dump("", kBlender);
+    const std::string connected = dump("ND_convert_float_vector2", kBlender);
+    EXPECT_TRUE(has(connected, "\n    roughness: <- /Glossy_roughnessSquare")) << connected;
+    EXPECT_TRUE(has(connected, "\n    in1: <- /Rough.out")) << connected;
+    EXPECT_TRUE(has(connected, "\n    in2: <- /Rough.out")) << connected;
+    const char* principled = "ND_roughness_anisotropy";
+    EXPECT_EQ(dump(principled, kBlender), dump(principled, ""));
+}
+
+/// The exporter turns it by -90 degrees less a turn of 360. Once, however many BSDFs share it.
+TEST_F(Exporter, TangentsOfPrincipledAreTurnedBack) {
+    const auto dump = [](bool isPart, bool isLinked, const char* exporter) {
+        Look look;
+        look.Add("/Turn", "ND_rotate3d_vector3", {{TfToken("amount"), VtValue(-126.0F)}});
+        look.Add("/Unit", "ND_normalize_vector3");
+        look.Connect("/Turn", "/Unit", "in");
+        if (isLinked) {
+            look.Add("/Angle", "ND_constant_float");
+            look.Connect("/Angle", "/Turn", "amount");
+        }
+        if (isPart) {
+            look.Add("/Rough", "ND_roughness_anisotropy");
+            for (const char* bsdf : {"/Metal", "/Top"}) {
+                look.Add(bsdf, bsdf[1] == 'M' ? "ND_conductor_bsdf" : "ND_dielectric_bsdf");
+                look.Connect("/Rough", bsdf, "roughness");
+                look.Connect("/Unit", bsdf, "tangent");
+            }
+            look.AddSurface(1.0F, "/Metal", "/Top");
+        } else {
+            look.Add("/Surface", "ND_open_pbr_surface_surfaceshader");
+            look.Connect("/Unit", "/Surface", "geometry_tangent");
+        }
+        return DumpOf(look.Scene(), exporter);
+    };
+    for (const bool isPart : {false, true}) {
+        EXPECT_EQ(Number(dump(isPart, false, ""), "  amount"), -126.0);
+        EXPECT_EQ(Number(dump(isPart, false, kBlender), "  amount"), -36.0) << isPart;
+        const std::string linked = dump(isPart, true, kBlender);
+        EXPECT_NE(linked.find("amount: <- /Turn_amountTurn"), std::string::npos) << linked;
+        EXPECT_EQ(Number(linked, "  in2"), 90.0) << linked;
+    }
 }
 
 TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {

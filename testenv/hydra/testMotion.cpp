@@ -3,6 +3,7 @@
 // scene index tells them, and velocities, of which some are no numbers.
 #include "hydraTest.h"
 
+#include <pxr/base/gf/quath.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/imaging/hd/lightSchema.h>
 #include <pxr/imaging/hd/retainedDataSource.h>
@@ -305,6 +306,15 @@ TEST_F(Velocities, WhoseAccelerationsAreNotFiniteMoveNothing) {
     EXPECT_EQ(numFound, 1);
 }
 
+TEST_F(Velocities, AreNotToBlameForPointsThatAreNotFiniteThemselves) {
+    SceneData scene = Sheet(Moving());
+    PrimvarData* points = scene.gprims[kSheet].FindPrimvar(HdTokens->points);
+    auto places = points->value.Get<VtVec3fArray>();
+    places[1] = GfVec3f(kNan, 0.0F, 0.0F);
+    points->value = VtValue(places);
+    EXPECT_EQ(Blurred(scene).second, 0);
+}
+
 /// As those of points; also those by which instances turn.
 TEST_F(Velocities, OfInstancesThatAreNotFiniteMoveNothing) {
     const SdfPath swarm("/swarm");
@@ -339,6 +349,8 @@ TEST_F(Velocities, OfInstancesThatAreNotFiniteMoveNothing) {
     EXPECT_EQ(expected.second, 0);
     EXPECT_NE(blurred(GfVec3f(0.0F, 24.0F, 0.0F), rest).first, expected.first);
     EXPECT_NE(blurred(rest, GfVec3f(0.0F, 480.0F, 0.0F)).first, expected.first);
+    // A number, and so is where it leads, though its square is none of floats.
+    EXPECT_EQ(blurred(GfVec3f(0.0F, 2e19F, 0.0F), rest).second, 0);
     for (const GfVec3f& broken : {GfVec3f(0.0F, kNan, 0.0F), GfVec3f(kInfinity, 3.0F, 0.0F)}) {
         EXPECT_EQ(blurred(broken, rest), std::pair(expected.first, 1)) << broken;
         EXPECT_EQ(blurred(rest, broken), std::pair(expected.first, 1)) << broken;
