@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Shadow rays. shadow_cast adds what arrives unhindered; a ray that meets a cut-out surface becomes
  * a candidate, which shadow_pass, or where nothing streams shadow_cast itself, dims by the
- * transparency there and sends on. From: the shadow queue. To: path radiance, or the candidate queue
- * and back; while geometry streams also to the queues of what waits. Explained in
+ * transparency there and sends on. From: the shadow queue. To: path radiance, or the candidate
+ * queue and back; while geometry streams also to the queues of what waits. Explained in
  * docs/wavefront.md. */
 #include "integrator/itemLoop.clh"
 #include "integrator/lightPaths.clh"
