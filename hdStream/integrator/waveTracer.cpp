@@ -117,8 +117,11 @@ void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
                              const IsCancelled& isStopped) {
     std::uint32_t numShadows = 0;
     bool isCleared = true;
+    Counts counts{};
+    if (PassesShadowsAtOnce(_kernels->Features())) {
+        _queues.ClearCounter(HDS_COUNTER_PASSED);
+    }
     while (active + numShadows > 0 && !isStopped()) {
-        Counts counts{};
         if (IsBrief(active + numShadows)) {
             if (!isCleared) {
                 ClearBounce();
@@ -132,12 +135,15 @@ void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
     }
+    if (PassesShadowsAtOnce(_kernels->Features())) {
+        _statistics->shadowRays += counts[HDS_COUNTER_PASSED];
+    }
 }
 
 /// Whether a batch may be shaded before anybody looks at what tracing it has found.
 bool WaveTracer::IsBrief(std::uint32_t numRays) const {
-    return numRays < kBriefBatch && !_hasCutouts && !PassesShadowsAtOnce(_kernels->Features()) &&
-           !_buffers->IsStreaming();
+    const bool mayHaveCandidates = _hasCutouts && !PassesShadowsAtOnce(_kernels->Features());
+    return numRays < kBriefBatch && !mayHaveCandidates && !_buffers->IsStreaming();
 }
 
 /// TraceNextBatch and ShadeNext with one wait. Precondition: ClearBounce.
@@ -288,8 +294,7 @@ void WaveTracer::TraceNextBatch(std::uint32_t active, std::uint32_t numShadows) 
 /// are in the one after it.
 void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue) {
     if (PassesShadowsAtOnce(_kernels->Features())) {
-        _statistics->shadowRays += numShadows > 0 ? _queues.ReadCounters()[HDS_COUNTER_SHADOW] : 0;
-        return;
+        return; // there are none
     }
     while (_hasCutouts && numShadows > 0) {
         const std::uint32_t numCandidates = _queues.ReadCounters()[HDS_COUNTER_SHADOW];

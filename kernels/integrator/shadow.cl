@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Shadow rays. shadow_cast adds what arrives unhindered; a ray that meets a cut-out surface becomes
- * a candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow
- * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
- * queues of what waits. Explained in docs/wavefront.md. */
+ * a candidate, which shadow_pass, or where nothing streams shadow_cast itself, dims by the
+ * transparency there and sends on. From: the shadow queue. To: path radiance, or the candidate
+ * queue and back; while geometry streams also to the queues of what waits. Explained in
+ * docs/wavefront.md. */
 #include "integrator/itemLoop.clh"
 #include "integrator/lightPaths.clh"
 #include "integrator/sceneArgs.clh"
@@ -396,7 +397,7 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     HDS_SCENE_END(scene);
 #if HDS_PASSES_SHADOWS_AT_ONCE
     if (numPasses > 0u) {
-        atomic_add(&counters[HDS_COUNTER_SHADOW], numPasses);
+        atomic_add(&counters[HDS_COUNTER_PASSED], numPasses);
     }
 #else
     items_flush(&candidates, candidateQueue, &counters[HDS_COUNTER_SHADOW]);

@@ -4,9 +4,9 @@
 #ifndef HDS_SHARED_LAUNCH_CONDITIONS_H
 #define HDS_SHARED_LAUNCH_CONDITIONS_H
 
-/* A shadow ray passes all that lets it through in one launch: nothing on its way can be missing,
- * and where bodies are media most shadow rays have boundaries to pass. */
+/* A shadow ray passes all that lets it through in one launch: nothing on its way can be missing.
+ * Two launches a surface, and the waits between them, are for what streams. */
 #define HDS_PASSES_SHADOWS_AT_ONCE \
-    (HDS_FEATURE_MEDIA_STACK && !HDS_FEATURE_STREAMING && !HDS_FEATURE_TEXTURE_STREAMING)
+    (HDS_FEATURE_CUTOUT && !HDS_FEATURE_STREAMING && !HDS_FEATURE_TEXTURE_STREAMING)
 
 #endif
