@@ -34,7 +34,8 @@ def test_pictures_and_counts_are_those_of_large_batches(isCutOut, tmp_path):
     _WriteStage(tmp_path / "a.usda", isCutOut)
 
     def Render(**settings):
-        return ours.Render(tmp_path / "a.usda", WIDTH, HEIGHT, samples=SAMPLES, maxDepth=6, residency="resident", kernels="own", **settings)
+        settings = dict(kernels="own") | settings
+        return ours.Render(tmp_path / "a.usda", WIDTH, HEIGHT, samples=SAMPLES, maxDepth=6, residency="resident", **settings)
 
     expected = Render(waveSize=WIDTH * HEIGHT * SAMPLES)
     brief = expected.statistics["geometry"]["briefBatches"]
@@ -49,3 +50,7 @@ def test_pictures_and_counts_are_those_of_large_batches(isCutOut, tmp_path):
         assert np.array_equal(picture.layers["color"], expected.layers["color"]), settings
         for kind in ("camera", "indirect", "shadow"):
             assert picture.statistics["rays"][kind] == expected.statistics["rays"][kind], (settings, kind)
+    if isCutOut:  # general kernels pass cut-outs in launches of their own
+        picture = Render(waveSize=301, kernels="general")
+        assert picture.statistics["wave"]["kernels"] == "general" and picture.statistics["geometry"]["briefBatches"] == 0
+        assert np.array_equal(picture.layers["color"], expected.layers["color"])
