@@ -54,3 +54,4 @@ def test_pictures_and_counts_are_those_of_large_batches(isCutOut, tmp_path):
         picture = Render(waveSize=301, kernels="general")
         assert picture.statistics["wave"]["kernels"] == "general" and picture.statistics["geometry"]["briefBatches"] == 0
         assert np.array_equal(picture.layers["color"], expected.layers["color"])
+        assert picture.statistics["rays"]["shadow"] == expected.statistics["rays"]["shadow"]
