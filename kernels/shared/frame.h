@@ -50,8 +50,7 @@
 #define HDS_COUNTER_READY 8
 #define HDS_COUNTER_CLAMPED 9 /* of what paths add: what HDS_FEATURE_PATH_LIMITS has clamped */
 #define HDS_COUNTER_STEPS 10  /* paths ended by HDS_MEDIUM_MAX_STEPS */
-#define HDS_COUNTER_PASSED 11 /* of HDS_PASSES_SHADOWS_AT_ONCE: shadow rays behind a surface */
-#define HDS_NUM_COUNTERS 12
+#define HDS_NUM_COUNTERS 11
 
 /* Behind the counters, in lines of the cache of their own: the rays that met nothing, while the
  * guide of domes is learnt (integrator/domeGuidePass). */

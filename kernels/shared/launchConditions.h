@@ -8,5 +8,7 @@
  * Two launches a surface, and the waits between them, are for what streams. */
 #define HDS_PASSES_SHADOWS_AT_ONCE \
     (HDS_FEATURE_CUTOUT && !HDS_FEATURE_STREAMING && !HDS_FEATURE_TEXTURE_STREAMING)
+/* There no candidate waits, and this counts the rays that go on behind a surface. */
+#define HDS_COUNTER_PASSED HDS_COUNTER_WAITING_CANDIDATES
 
 #endif
