@@ -100,12 +100,12 @@ def MovedMesh(core, prim, offset):
 class Case:
     """A stage in a session of its own, and its picture with resident geometry."""
 
-    def __init__(self, path, camera="/World/Camera", timeCode=None, shutter=(0.0, 0.0), size=SIZE):
+    def __init__(self, path, camera="/World/Camera", timeCode=None, shutter=(0.0, 0.0)):
         from hdstream import _core
         from hdstream.translate import TranslateStage
         from pxr import Usd
 
-        self.core, self.path, self.camera, self.size = _core, str(path), camera, size
+        self.core, self.path, self.camera = _core, str(path), camera
         self.layers = self.statistics = None
         self.session = _core.Session()
         TranslateStage(Usd.Stage.Open(self.path), self.session,
@@ -113,7 +113,7 @@ class Case:
 
     def Fresh(self):
         """The same in a new session, whose accounts begin at 0."""
-        case = Case(self.path, self.camera, size=self.size)
+        case = Case(self.path, self.camera)
         case.layers, case.statistics = self.layers, self.statistics
         return case
 
@@ -121,7 +121,7 @@ class Case:
         """The stage, with images of its own."""
         copy = pathlib.Path(folder) / "copy"
         shutil.copytree(pathlib.Path(self.path).parent, copy)
-        case = Case(copy / pathlib.Path(self.path).name, self.camera, size=self.size)
+        case = Case(copy / pathlib.Path(self.path).name, self.camera)
         case.layers, case.statistics = self.layers, self.statistics
         return case
 
@@ -135,7 +135,7 @@ class Case:
     def Start(self, onProgress=None, isCancelled=None, **settings):
         """The result of a render, complete or not."""
         options = self.core.Settings()
-        options.camera, options.imageWidth, options.imageHeight = self.camera, *self.size
+        options.camera, options.imageWidth, options.imageHeight = self.camera, *SIZE
         options.aovs, options.samples, options.chunkBytes = AOVS, SAMPLES, CHUNK_BYTES
         for name, value in settings.items():
             setattr(options, name, value)

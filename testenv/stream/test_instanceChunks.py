@@ -16,7 +16,6 @@ from pxr import Sdf, Usd, UsdGeom, Vt
 from stages import crowd
 from streamCase import Case
 
-_SIZE = (25, 19)  # small pools are thrashed: rays that wait for one another take most of the time
 _LEAST = 1  # instances from which on they lie in chunks: of the group that has most
 _COPIES = {"in the root": 0, "in a group": 3}  # of the crowd, by one more level of instancing
 
@@ -25,7 +24,7 @@ _COPIES = {"in the root": 0, "in a group": 3}  # of the crowd, by one more level
 def Crowd(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("crowd") / "stage.usda"
     crowd.WriteCrowd(str(path), copies=request.param)
-    return Case(path, size=_SIZE).RenderResident(instanceChunks=0)
+    return Case(path).RenderResident(instanceChunks=0)
 
 
 def _AssertStreams(case, least=_LEAST, **settings):
